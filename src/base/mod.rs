@@ -1,0 +1,18 @@
+//! What every other module stands on and that knows nothing of trees: seeded randomness,
+//! progress, cancellation, and writing files so that a reader never sees half of one.
+//!
+//! Imports nothing of ours.
+
+mod cancel;
+mod file;
+mod hash;
+mod parallel;
+mod progress;
+mod random;
+
+pub use cancel::{Cancel, Cancelled};
+pub use file::{FileError, read_limited, write_atomic};
+pub use hash::{Digest, Hasher};
+pub use parallel::{with_level_of_cpu, with_threads};
+pub use progress::{Progress, Reporter, Stage, Update};
+pub use random::{Random, Seed};

@@ -1,0 +1,158 @@
+//! Masks: which pixels belong. Thresholds, bounds, dilation, components, flooding.
+
+use super::{Image, Rect};
+use imageproc::distance_transform::Norm;
+use imageproc::region_labelling::{Connectivity, connected_components};
+
+/// `true` where a pixel belongs.
+pub type Mask = Image<bool>;
+
+impl Mask {
+    /// The mask as 8-bit grey: 255 where a pixel belongs, 0 elsewhere.
+    pub fn grey(&self) -> Image<u8> {
+        self.map(|&inside| if inside { 255 } else { 0 })
+    }
+
+    /// Number of pixels that belong.
+    pub fn count(&self) -> usize {
+        self.pixels().iter().filter(|&&inside| inside).count()
+    }
+
+    fn gray_image(&self) -> image::GrayImage {
+        into_gray_image(self.grey())
+    }
+}
+
+/// The smallest rectangle around all pixels that belong, `None` when there are none.
+///
+/// ```
+/// use boscage::raster::{Image, Rect, opaque_bounds};
+/// let mask = Image::from_pixels(3, 2, vec![false, false, false, false, true, true]);
+/// let bounds = opaque_bounds(&mask).unwrap();
+/// assert_eq!(bounds, Rect { x: 1, y: 1, width: 2, height: 1 });
+/// ```
+pub fn opaque_bounds(mask: &Mask) -> Option<Rect> {
+    let occupied = |y: &u32| mask.row(*y).contains(&true);
+    let top = (0..mask.height()).find(occupied)?;
+    let bottom = (top..mask.height()).rev().find(occupied)?;
+    let (mut left, mut right) = (u32::MAX, 0);
+    for y in top..=bottom {
+        let row = mask.row(y);
+        if let Some(first) = row.iter().position(|&inside| inside) {
+            left = left.min(first as u32);
+        }
+        if let Some(last) = row.iter().rposition(|&inside| inside) {
+            right = right.max(last as u32);
+        }
+    }
+    Some(Rect {
+        x: left,
+        y: top,
+        width: right - left + 1,
+        height: bottom - top + 1,
+    })
+}
+
+/// The mask grown by `radius` pixels in all eight directions: what `radius` dilations with a 3×3
+/// square give.
+pub fn dilated(mask: &Mask, radius: u8) -> Mask {
+    let grown = imageproc::morphology::dilate(&mask.gray_image(), Norm::LInf, radius);
+    Image::from_pixels(
+        mask.width(),
+        mask.height(),
+        grown
+            .into_raw()
+            .into_iter()
+            .map(|value| value != 0)
+            .collect(),
+    )
+}
+
+/// Number of the 8-connected component of each pixel that belongs: 1, 2, … in the order of their
+/// first pixel from the top; 0 where nothing belongs.
+pub fn labelled_components(mask: &Mask) -> Image<u32> {
+    let labels = connected_components(&mask.gray_image(), Connectivity::Eight, image::Luma([0u8]));
+    Image::from_pixels(mask.width(), mask.height(), labels.into_raw())
+}
+
+/// All pixels that cannot be reached from outside the image without crossing `barrier`; the
+/// barrier itself is kept. Steps go to the four neighbours, so an 8-connected barrier holds.
+///
+/// This is how the outline of a synthetic tree becomes its mask, robust against an outline that
+/// crosses itself (Argudo, Andújar & Chica 2017, *Tree Variations*, §5.1).
+pub fn flooded_from_outside(barrier: &Mask) -> Mask {
+    let (width, height) = (barrier.width(), barrier.height());
+    let mut kept = Image::filled(width, height, true);
+    let mut stack = Vec::new();
+    let visit = |x: u32, y: u32, kept: &mut Mask, stack: &mut Vec<(u32, u32)>| {
+        if kept.at(x, y) && !barrier.at(x, y) {
+            kept.set(x, y, false);
+            stack.push((x, y));
+        }
+    };
+    for x in 0..width {
+        visit(x, 0, &mut kept, &mut stack);
+        visit(x, height - 1, &mut kept, &mut stack);
+    }
+    for y in 0..height {
+        visit(0, y, &mut kept, &mut stack);
+        visit(width - 1, y, &mut kept, &mut stack);
+    }
+    while let Some((x, y)) = stack.pop() {
+        if x > 0 {
+            visit(x - 1, y, &mut kept, &mut stack);
+        }
+        if x + 1 < width {
+            visit(x + 1, y, &mut kept, &mut stack);
+        }
+        if y > 0 {
+            visit(x, y - 1, &mut kept, &mut stack);
+        }
+        if y + 1 < height {
+            visit(x, y + 1, &mut kept, &mut stack);
+        }
+    }
+    kept
+}
+
+fn into_gray_image(image: Image<u8>) -> image::GrayImage {
+    let (width, height) = (image.width(), image.height());
+    image::GrayImage::from_raw(width, height, image.into_pixels())
+        .unwrap_or_else(|| unreachable!("an image's pixels fill it"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn mask(rows: &[&str]) -> Mask {
+        let pixels = rows.iter().flat_map(|row| row.bytes().map(|b| b == b'#'));
+        Image::from_pixels(rows[0].len() as u32, rows.len() as u32, pixels.collect())
+    }
+
+    #[test]
+    fn dilation_is_square() {
+        let grown = dilated(&mask(&[".....", ".....", "..#..", ".....", "....."]), 1);
+        assert_eq!(grown, mask(&[".....", ".###.", ".###.", ".###.", "....."]));
+    }
+
+    #[test]
+    fn flooding_keeps_what_the_barrier_encloses() {
+        let barrier = mask(&[".#...", "#.#..", "#..#.", ".##..", "....."]);
+        let kept = flooded_from_outside(&barrier);
+        assert_eq!(kept, mask(&[".#...", "###..", "####.", ".##..", "....."]));
+    }
+
+    #[test]
+    fn components_touch_at_corners() {
+        let labels = labelled_components(&mask(&["#..", ".#.", "..."]));
+        assert_eq!(labels.at(0, 0), labels.at(1, 1));
+        let labels = labelled_components(&mask(&["#.#"]));
+        assert_eq!(labels.pixels(), &[1, 0, 2]);
+    }
+
+    #[test]
+    fn an_empty_mask_has_no_bounds() {
+        assert_eq!(opaque_bounds(&mask(&["..", ".."])), None);
+    }
+}

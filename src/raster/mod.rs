@@ -1,0 +1,22 @@
+//! Pictures as plain data: images, masks, resampling, morphology, reading and writing files.
+//!
+//! Coordinates: origin top-left, x to the right, y down, pixel centres at whole numbers. Colours
+//! are 8-bit sRGB; files hold straight alpha, everything that filters or resamples works on
+//! premultiplied alpha, and the two are different types ([`Straight`], [`Premultiplied`]).
+//! Filtering is done on sRGB values, as the painting programs our users know do by default.
+//!
+//! Imports `base`.
+
+mod image;
+mod mask;
+mod read;
+mod rect;
+mod resample;
+mod write;
+
+pub use image::{Image, Premultiplied, Straight};
+pub use mask::{Mask, dilated, flooded_from_outside, labelled_components, opaque_bounds};
+pub use read::{ImageError, ReadLimits, read_image};
+pub use rect::Rect;
+pub use resample::resized;
+pub use write::{Compression, encode_grey_png, encode_png};

@@ -1,0 +1,141 @@
+//! The three points that match on all trees: foot, and where the trunk enters the crown.
+
+use crate::geometry::Point;
+use serde::{Deserialize, Serialize};
+
+/// Indices into a contour of its pin points (TV §4.4). All three are equal when no trunk shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Pins {
+    /// B, the foot of the tree.
+    pub bottom: usize,
+    /// L, where the left side of the trunk meets the crown.
+    pub left: usize,
+    /// R, where the right side of the trunk meets the crown.
+    pub right: usize,
+}
+
+impl Pins {
+    /// Pins of a tree whose outline is all crown.
+    pub fn without_trunk(bottom: usize) -> Self {
+        Self {
+            bottom,
+            left: bottom,
+            right: bottom,
+        }
+    }
+
+    /// Whether a trunk shows.
+    pub fn has_trunk(&self) -> bool {
+        self.left != self.bottom && self.right != self.bottom
+    }
+}
+
+/// The pins of `contour`, which runs counter-clockwise as seen on screen.
+///
+/// B is the lowest point (of several the median one); L and R are the first points at or above the
+/// crown's `baseline_y` that a walk from B meets clockwise and counter-clockwise.
+///
+/// `on_trunk` says which points of the contour belong to the trunk. Departure from the paper: when
+/// branches hang lower than the trunk's foot, B is the lowest point *of the trunk*, or a weeping
+/// willow would stand on the tip of a twig. Without a trunk (`baseline_y` is `None` or below B)
+/// L = R = B.
+///
+/// # Panics
+/// When `contour` is empty.
+pub fn pins(contour: &[Point], baseline_y: Option<f64>, on_trunk: impl Fn(Point) -> bool) -> Pins {
+    let trunk: Vec<usize> = match baseline_y {
+        Some(_) => (0..contour.len())
+            .filter(|&i| on_trunk(contour[i]))
+            .collect(),
+        None => Vec::new(),
+    };
+    let all: Vec<usize> = (0..contour.len()).collect();
+    let bottom = lowest(contour, if trunk.is_empty() { &all } else { &trunk });
+    match baseline_y {
+        Some(baseline_y) if contour[bottom].y > baseline_y => {
+            let above = |i: &usize| contour[*i].y <= baseline_y;
+            let count = contour.len();
+            let mut forward = (1..count).map(|step| (bottom + step) % count);
+            let mut backward = (1..count).map(|step| (bottom + count - step) % count);
+            match (forward.find(above), backward.find(above)) {
+                (Some(right), Some(left)) if left != right => Pins {
+                    bottom,
+                    left,
+                    right,
+                },
+                _ => Pins::without_trunk(bottom),
+            }
+        }
+        _ => Pins::without_trunk(bottom),
+    }
+}
+
+/// Of `candidates` the one with the largest y; of several the median in the order of the contour.
+fn lowest(contour: &[Point], candidates: &[usize]) -> usize {
+    let y = candidates
+        .iter()
+        .map(|&i| contour[i].y)
+        .fold(f64::NEG_INFINITY, f64::max);
+    let lowest: Vec<usize> = candidates
+        .iter()
+        .copied()
+        .filter(|&i| contour[i].y == y)
+        .collect();
+    lowest[lowest.len() / 2]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A mushroom: crown from y = 0 to 2, trunk from y = 3 to 5 at x = 2..=3.
+    fn mushroom() -> Vec<Point> {
+        [
+            (2, 5),
+            (3, 5),
+            (3, 4),
+            (3, 3),
+            (4, 2),
+            (5, 2),
+            (5, 1),
+            (4, 0),
+            (3, 0),
+            (2, 0),
+            (1, 0),
+            (0, 1),
+            (0, 2),
+            (1, 2),
+            (2, 3),
+            (2, 4),
+        ]
+        .map(|(x, y)| Point::new(f64::from(x), f64::from(y)))
+        .to_vec()
+    }
+
+    #[test]
+    fn the_trunk_is_pinned_at_the_baseline() {
+        let contour = mushroom();
+        let pins = pins(&contour, Some(2.0), |p| p.y > 2.0);
+        assert_eq!(contour[pins.bottom].y, 5.0);
+        assert_eq!(contour[pins.right], Point::new(4.0, 2.0));
+        assert_eq!(contour[pins.left], Point::new(1.0, 2.0));
+        assert!(pins.has_trunk());
+    }
+
+    #[test]
+    fn without_a_trunk_all_pins_are_the_foot() {
+        let contour = mushroom();
+        for baseline_y in [None, Some(5.0), Some(9.0)] {
+            let pins = pins(&contour, baseline_y, |_| false);
+            assert_eq!((pins.left, pins.right), (pins.bottom, pins.bottom));
+        }
+    }
+
+    #[test]
+    fn a_branch_below_the_foot_is_not_the_foot() {
+        let mut contour = mushroom();
+        contour[5] = Point::new(5.0, 9.0);
+        let pins = pins(&contour, Some(2.0), |p| p.y > 2.0 && p.x < 4.0);
+        assert_eq!(contour[pins.bottom].y, 5.0);
+    }
+}

@@ -94,7 +94,8 @@ pub fn crown_baseline(labels: &Labels) -> Option<u32> {
     let mut rows = Vec::new();
     for y in 1..labels.height() {
         let standing = labels.row(y - 1).iter().zip(labels.row(y));
-        let places = standing.filter(|&(&above, &below)| above == Label::Crown && below == Label::Trunk);
+        let places =
+            standing.filter(|&(&above, &below)| above == Label::Crown && below == Label::Trunk);
         // Rows are visited from the top: they come out sorted.
         rows.extend(places.map(|_| y - 1));
     }

@@ -9,11 +9,14 @@
 
 mod classical;
 mod colour;
+mod foot;
 mod label;
 mod segmenter;
 mod sketch;
 mod stem;
 
 pub use classical::Classical;
-pub use label::{Label, Labels, crown_baseline, crown_count, grey_from_labels, labels_from_grey, trunk_count};
+pub use label::{
+    Label, Labels, crown_baseline, crown_count, grey_from_labels, labels_from_grey, trunk_count,
+};
 pub use segmenter::{SegmentError, Segmenter};

@@ -78,6 +78,15 @@ impl Sketch {
         })
     }
 
+    /// The pixels of `spans` as a mask.
+    pub(super) fn covered(&self, spans: &[Span]) -> Mask {
+        let mut covered = Image::filled(self.width(), self.height(), false);
+        for span in spans {
+            covered.row_mut(span.y)[span.left as usize..span.right as usize].fill(true);
+        }
+        covered
+    }
+
     /// Columns of the sketch.
     pub(super) fn width(&self) -> u32 {
         self.mask.width()

@@ -98,16 +98,18 @@ fn may_be_foot(sketch: &Sketch, run: Span) -> bool {
     widths.contains(&f64::from(run.width())) && !stands_on_thinner(sketch, run)
 }
 
-/// Whether the run is a branch: half its width further down there is a thinner trunk.
+/// Whether the run is a branch: between half its width and its whole width further down there is
+/// a thinner trunk.
 ///
 /// Nearer to the run, the rounded lower end of a cut-out trunk would look like that too.
 fn stands_on_thinner(sketch: &Sketch, run: Span) -> bool {
-    let Some(below) = sketch.runs.get((run.y + run.width() / 2) as usize) else {
-        return false;
-    };
-    let under = below.iter().filter(|other| other.meets(run));
-    let width: u32 = under.map(|other| other.width()).sum();
-    width > 0 && f64::from(width) * STEP < f64::from(run.width())
+    let rows = run.y + run.width() / 2..=run.y + run.width();
+    rows.filter_map(|y| sketch.runs.get(y as usize))
+        .any(|below| {
+            let under = below.iter().filter(|other| other.meets(run));
+            let width: u32 = under.map(|other| other.width()).sum();
+            width > 0 && f64::from(width) * STEP < f64::from(run.width())
+        })
 }
 
 /// High, stout and under the middle of the crown, in pixels to the power 1.5.

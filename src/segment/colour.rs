@@ -105,3 +105,42 @@ fn blurred(counts: &[f64], stride: usize) -> Vec<f64> {
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GREEN: Straight = Straight([60, 130, 40, 255]);
+    const BROWN: Straight = Straight([110, 70, 50, 255]);
+
+    fn learned(trunk: Straight, crown: Straight) -> Likelihood {
+        Likelihood::learned([trunk; 9].into_iter(), [crown; 99].into_iter())
+    }
+
+    #[test]
+    fn brown_is_bark_and_green_is_not() {
+        let bark = learned(BROWN, GREEN);
+        assert!(bark.of(BROWN) > 1.0 && bark.of(GREEN) < -1.0);
+        assert!(bark.overlap() < 0.2);
+    }
+
+    #[test]
+    fn equal_colours_say_nothing() {
+        let bark = learned(GREEN, GREEN);
+        assert!((bark.overlap() - 1.0).abs() < 1e-9);
+        assert!(bark.of(GREEN).abs() < 1e-6);
+    }
+
+    #[test]
+    fn shadow_keeps_the_hue() {
+        let [brown, dark] = [BROWN, Straight([55, 35, 25, 255])].map(cell);
+        let chroma = BINS * BINS;
+        assert!((brown % chroma).abs_diff(dark % chroma) <= BINS + 1);
+    }
+
+    #[test]
+    fn no_pixels_at_all_are_no_trouble() {
+        let none = Likelihood::learned([].into_iter(), [].into_iter());
+        assert_eq!(none.of(BROWN), 0.0);
+    }
+}

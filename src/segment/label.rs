@@ -102,3 +102,36 @@ pub fn crown_baseline(labels: &Labels) -> Option<u32> {
     let last = rows.len().checked_sub(1)?;
     Some(rows[(BASELINE_SHARE * last as f64 + 0.5) as usize])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labels(rows: &[&str]) -> Labels {
+        let pixels = rows.iter().flat_map(|row| row.bytes()).map(|b| match b {
+            b'#' => Label::Crown,
+            b'|' => Label::Trunk,
+            _ => Label::Background,
+        });
+        Image::from_pixels(rows[0].len() as u32, rows.len() as u32, pixels.collect())
+    }
+
+    #[test]
+    fn labels_survive_grey() {
+        let labels = labels(&["###", ".|.", ".|."]);
+        assert_eq!(labels_from_grey(&grey_from_labels(&labels)), labels);
+        assert_eq!((crown_count(&labels), trunk_count(&labels)), (3, 2));
+    }
+
+    #[test]
+    fn drooping_branches_do_not_lower_the_baseline() {
+        let drooping = ["#####", "#||.#", "#||.#", "#||.#"];
+        assert_eq!(crown_baseline(&labels(&drooping)), Some(0));
+    }
+
+    #[test]
+    fn without_trunk_or_crown_there_is_no_baseline() {
+        assert_eq!(crown_baseline(&labels(&["##", "##"])), None);
+        assert_eq!(crown_baseline(&labels(&["||", "||"])), None);
+    }
+}

@@ -3,7 +3,13 @@
 //! The modules stand in the order of their imports: each imports only from those above it.
 
 pub mod base;
-pub mod contour;
-pub mod geometry;
+
 pub mod raster;
+
+pub mod geometry;
+
+pub mod contour;
+
+pub mod segment;
+
 pub mod variation;

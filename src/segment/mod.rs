@@ -1,0 +1,22 @@
+//! Which pixels of a tree picture are background, trunk and crown.
+//!
+//! The labels are what everything later is built on: the pins of the outline (Argudo, Andújar &
+//! Chica 2017, *Tree Variations*, §4.3–4.4) come from the crown baseline, the crown's volume and
+//! its foliage from the crown's pixels only. A [`Segmenter`] makes them; [`Classical`] needs
+//! nothing but the picture. Hand-painted corrections are labels too.
+//!
+//! Imports `base` and `raster`.
+
+mod classical;
+mod colour;
+mod foot;
+mod label;
+mod segmenter;
+mod sketch;
+mod stem;
+
+pub use classical::Classical;
+pub use label::{
+    Label, Labels, crown_baseline, crown_count, grey_from_labels, labels_from_grey, trunk_count,
+};
+pub use segmenter::{SegmentError, Segmenter};

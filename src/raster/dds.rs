@@ -191,11 +191,11 @@ impl Layout {
         match self {
             Self::Blocks(block) => {
                 let blocks = u64::from(width.div_ceil(4)) * u64::from(height.div_ceil(4));
-                blocks * block.bytes() as u64
+                blocks.saturating_mul(block.bytes() as u64)
             }
-            Self::Packed(packed) => pixels * packed.bytes as u64,
-            Self::Words(words) => pixels * words.bytes() as u64,
-            Self::Palette => pixels + PALETTE_BYTES as u64,
+            Self::Packed(packed) => pixels.saturating_mul(packed.bytes as u64),
+            Self::Words(words) => pixels.saturating_mul(words.bytes() as u64),
+            Self::Palette => pixels.saturating_add(PALETTE_BYTES as u64),
         }
     }
 }
@@ -393,5 +393,93 @@ fn decode_blocks(block: Block, data: &[u8], width: usize, pixels: &mut [Straight
                 }
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn any_size(_: u32, _: u32) -> Result<(), Refusal> {
+        Ok(())
+    }
+
+    /// A file: the words of its pixel format from the flags on, then what follows the header.
+    fn file(width: u32, height: u32, format: [u32; 7], rest: &[u8]) -> Vec<u8> {
+        let mut words = [0u32; 32];
+        words[0] = u32::from_le_bytes(*b"DDS ");
+        words[1] = 124;
+        (words[3], words[4]) = (height, width);
+        words[20..27].copy_from_slice(&format);
+        let header = words.iter().flat_map(|word| word.to_le_bytes());
+        header.chain(rest.iter().copied()).collect()
+    }
+
+    fn coded(four_cc: &[u8; 4]) -> [u32; 7] {
+        [4, u32::from_le_bytes(*four_cc), 0, 0, 0, 0, 0]
+    }
+
+    fn dxgi(code: u32, alpha_mode: u32, rest: &[u8]) -> Vec<u8> {
+        let extension = [code, 3, 0, 1, alpha_mode];
+        let extension = extension.iter().flat_map(|word| word.to_le_bytes());
+        extension.chain(rest.iter().copied()).collect()
+    }
+
+    fn pixels(bytes: &[u8]) -> Vec<[u8; 4]> {
+        let image = decode(bytes, any_size).unwrap();
+        image.pixels().iter().map(|pixel| pixel.0).collect()
+    }
+
+    #[test]
+    fn masks_tell_where_the_colours_are() {
+        let bgr = [0x40, 0, 24, 0xff_0000, 0xff00, 0xff, 0];
+        let rows = pixels(&file(2, 1, bgr, &[3, 2, 1, 6, 5, 4]));
+        assert_eq!(rows, [[1, 2, 3, 255], [4, 5, 6, 255]]);
+        let four_bits = [0x41, 0, 16, 0xf00, 0xf0, 0xf, 0xf000];
+        assert_eq!(
+            pixels(&file(1, 1, four_bits, &[0x21, 0x8f])),
+            [[255, 34, 17, 136]]
+        );
+        let grey = [0x2_0000, 0, 8, 0xff00_0000, 0, 0, 0];
+        assert_eq!(pixels(&file(1, 1, grey, &[9])), [[9, 9, 9, 255]]);
+    }
+
+    #[test]
+    fn blocks_may_reach_beyond_the_picture() {
+        // Colour 0 is pure red and colour 1 pure blue; column 0 red, column 1 blue.
+        let block = [0x00, 0xf8, 0x1f, 0x00, 0x04, 0x04, 0x04, 0x04];
+        let data = [block, block].concat();
+        let rows = pixels(&file(2, 5, coded(b"DXT1"), &data));
+        assert_eq!(rows, [[255, 0, 0, 255], [0, 0, 255, 255]].repeat(5));
+    }
+
+    #[test]
+    fn premultiplied_textures_become_straight() {
+        let rows = pixels(&file(1, 1, coded(b"DX10"), &dxgi(28, 2, &[64, 0, 32, 128])));
+        assert_eq!(rows, [[128, 0, 64, 128]]);
+        let rows = pixels(&file(1, 1, coded(b"DX10"), &dxgi(28, 1, &[64, 0, 32, 128])));
+        assert_eq!(rows, [[64, 0, 32, 128]]);
+    }
+
+    #[test]
+    fn halves_have_their_values() {
+        let values = [0x0000, 0x3c00, 0xc000, 0x3555, 0x0001, 0x7bff].map(half_to_f32);
+        assert_eq!(values[..3], [0.0, 1.0, -2.0]);
+        assert!((values[3] - 1.0 / 3.0).abs() < 1e-4);
+        assert_eq!(values[4], 2f32.powi(-24));
+        assert_eq!(values[5], 65504.0);
+        assert!(half_to_f32(0x7e00).is_nan());
+    }
+
+    #[test]
+    fn content_that_is_not_there_is_noticed_before_memory_is_asked_for() {
+        let cut_short = Err(Refusal::Truncated { format: FORMAT });
+        let huge = file(u32::MAX, u32::MAX, coded(b"DXT5"), &[0; 16]);
+        assert_eq!(decode(&huge, any_size).map(drop), cut_short);
+        assert_eq!(decode(&huge[..127], any_size).map(drop), cut_short);
+        let no_extension = file(4, 4, coded(b"DX10"), &[]);
+        assert_eq!(decode(&no_extension, any_size).map(drop), cut_short);
+        let unknown = decode(&file(4, 4, coded(b"ABCD"), &[0; 64]), any_size);
+        assert!(unknown.unwrap_err().to_string().contains("code ABCD"));
     }
 }

@@ -7,6 +7,8 @@
 use super::envelope::Envelope;
 use super::read::{PictureFormat, Refusal, blank};
 use super::{Image, Straight};
+use crate::base::one_line;
+use image::error::UnsupportedErrorKind;
 use image::metadata::Orientation;
 use image::{ColorType, ImageDecoder, ImageFormat, ImageReader, Limits};
 use std::error::Error;
@@ -72,7 +74,7 @@ fn format_there(format: PictureFormat) -> ImageFormat {
 fn scratch_bytes(format: PictureFormat, envelope: Envelope, pixels: u64, decoded: u64) -> u64 {
     match format {
         // Four components at most of 16-bit coefficients.
-        PictureFormat::Jpeg if envelope.progressive => 8 * pixels,
+        PictureFormat::Jpeg if envelope.is_progressive() => 8 * pixels,
         // All planes or the ARGB words, and a copy where the picture is one frame of a canvas.
         PictureFormat::WebP => 2 * decoded,
         // One buffer for the picture (CMYK has a component more) and one for a strip, which may be
@@ -194,7 +196,11 @@ fn refusal(error: &image::ImageError, format: PictureFormat) -> Refusal {
     match error {
         image::ImageError::Unsupported(error) => Refusal::Unsupported {
             format,
-            detail: short_line(&error.to_string()),
+            detail: short_line(&match error.kind() {
+                UnsupportedErrorKind::Color(color) => format!("{color:?}"),
+                UnsupportedErrorKind::GenericFeature(feature) => feature,
+                _ => error.to_string(),
+            }),
         },
         image::ImageError::Limits(_) => Refusal::Damaged {
             format,
@@ -228,9 +234,39 @@ fn ends_early(error: &(dyn Error + 'static)) -> bool {
 /// A decoder's words on one line of bearable length.
 fn short_line(words: &str) -> String {
     const LONGEST: usize = 120;
-    let line = crate::base::one_line(words.trim().trim_end_matches('.'));
+    // Some decoders quote their own words, line break and all.
+    let words = words.trim_matches('"').trim().trim_end_matches("\\n");
+    let line = one_line(words.trim_end_matches('.'));
     match line.char_indices().nth(LONGEST) {
         Some((end, _)) => format!("{}…", &line[..end]),
         None => line,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texels_grow_and_shrink_in_place() {
+        let mut raw = [1, 2, 3, 4, 5, 6, 0, 0];
+        spread(&mut raw, 2, |[r, g, b]: [u8; 3]| [r, g, b, 255]);
+        assert_eq!(raw, [1, 2, 3, 255, 4, 5, 6, 255]);
+        let mut raw = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11];
+        spread(&mut raw, 2, |t: [u8; 6]| [t[0], t[2], t[4], 255]);
+        assert_eq!(raw[..8], [0, 2, 4, 255, 6, 8, 10, 255]);
+    }
+
+    #[test]
+    fn floats_are_clamped_and_rounded() {
+        let values = [-1.0, 0.0, 0.5, 1.0, 7.0, f32::NAN, f32::INFINITY];
+        assert_eq!(values.map(unit_to_u8), [0, 0, 128, 255, 255, 0, 255]);
+    }
+
+    #[test]
+    fn memory_that_does_not_exist_is_not_had() {
+        assert!(could_allocate(1 << 20));
+        assert!(!could_allocate(1 << 60));
+        assert!(blank(1, 1, 1 << 60).is_err());
     }
 }

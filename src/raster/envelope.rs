@@ -10,8 +10,25 @@ use super::read::{PictureFormat, Refusal};
 /// What must be known of a file before it is decoded.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) struct Envelope {
+    /// The marker that began a JPEG's frame and tells how it is coded.
+    frame: Option<u8>,
+}
+
+impl Envelope {
     /// A JPEG whose decoder keeps all coefficients of the picture until the last scan.
-    pub(super) progressive: bool,
+    pub(super) fn is_progressive(self) -> bool {
+        self.frame == Some(0xc2)
+    }
+
+    /// The coding of a JPEG that hardly any decoder reads, and ours would call damaged.
+    fn rare_coding(self) -> Option<&'static str> {
+        match self.frame? {
+            0xc3 => Some("lossless coding"),
+            0xc5..=0xc7 => Some("hierarchical coding"),
+            0xc9..=0xcf => Some("arithmetic coding"),
+            _ => None,
+        }
+    }
 }
 
 /// Looks through the file; [`Refusal::Truncated`] when its end is missing.
@@ -23,10 +40,15 @@ pub(super) fn open(bytes: &[u8], format: PictureFormat) -> Result<Envelope, Refu
         PictureFormat::Jpeg => jpeg_has_end(bytes, &mut envelope),
         _ => true,
     };
-    if complete {
-        Ok(envelope)
-    } else {
-        Err(Refusal::Truncated { format })
+    if !complete {
+        return Err(Refusal::Truncated { format });
+    }
+    match envelope.rare_coding() {
+        None => Ok(envelope),
+        Some(coding) => Err(Refusal::Unsupported {
+            format,
+            detail: coding.to_owned(),
+        }),
     }
 }
 
@@ -34,11 +56,11 @@ pub(super) fn open(bytes: &[u8], format: PictureFormat) -> Result<Envelope, Refu
 fn png_has_end(bytes: &[u8]) -> bool {
     let mut at = 8;
     while let Some(head) = bytes.get(at..at + 8) {
-        if &head[4..] == b"IEND" {
-            return true;
-        }
         let length = u32::from_be_bytes([head[0], head[1], head[2], head[3]]);
         at += 12 + length as usize;
+        if &head[4..] == b"IEND" {
+            return at <= bytes.len();
+        }
     }
     false
 }
@@ -73,7 +95,10 @@ fn jpeg_has_end(bytes: &[u8], envelope: &mut Envelope) -> bool {
             0 | 1 => at += 1,
             marker if RESTARTS.contains(&marker) => at += 1,
             marker => {
-                envelope.progressive |= marker == 0xc2;
+                // C4, C8 and CC are tables and an extension, no frames.
+                if (0xc0..=0xcf).contains(&marker) && !matches!(marker, 0xc4 | 0xc8 | 0xcc) {
+                    envelope.frame.get_or_insert(marker);
+                }
                 let Some(length) = bytes.get(at + 1..at + 3) else {
                     return false;
                 };

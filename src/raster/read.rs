@@ -297,3 +297,6 @@ pub(super) fn blank(width: u32, height: u32, pixels: u64) -> Result<Vec<Straight
         .and_then(|count| bytemuck::allocation::try_zeroed_vec(count).ok())
         .ok_or(Refusal::OutOfMemory { width, height })
 }
+
+#[cfg(test)]
+mod tests;

@@ -131,8 +131,8 @@ fn source_folder() -> PathBuf {
 /// Every file of the source in the order of its path, with its path below `src/` and its text.
 fn texts() -> Vec<(String, String)> {
     fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
-        for entry in fs::read_dir(folder).unwrap() {
-            let path = entry.unwrap().path();
+        for entry in fs::read_dir(folder).expect("src/ is readable") {
+            let path = entry.expect("src/ is readable").path();
             if path.is_dir() {
                 collect(&path, files);
             } else if path.extension().is_some_and(|extension| extension == "rs") {
@@ -145,14 +145,22 @@ fn texts() -> Vec<(String, String)> {
     collect(&root, &mut files);
     files.sort();
     let relative = |path: &Path| {
-        let parts = path.strip_prefix(&root).unwrap().components();
+        let parts = path
+            .strip_prefix(&root)
+            .expect("found below it")
+            .components();
         let parts: Vec<_> = parts.map(|p| p.as_os_str().to_string_lossy()).collect();
         parts.join("/")
     };
     let is_test = |path: &String| path.ends_with("/tests.rs") || path.contains("/tests/");
     files
         .iter()
-        .map(|path| (relative(path), fs::read_to_string(path).unwrap()))
+        .map(|path| {
+            (
+                relative(path),
+                fs::read_to_string(path).expect("sources are UTF-8"),
+            )
+        })
         .filter(|(path, _)| !is_test(path))
         .collect()
 }
@@ -166,7 +174,7 @@ fn sources() -> Vec<Source> {
 
 /// The modules in the order of `src/lib.rs`.
 fn order() -> Vec<String> {
-    let lib = fs::read_to_string(source_folder().join("lib.rs")).unwrap();
+    let lib = fs::read_to_string(source_folder().join("lib.rs")).expect("the library exists");
     let lines = lib.lines();
     let names = lines.filter_map(|line| line.strip_prefix("pub mod ")?.strip_suffix(';'));
     names.map(str::to_owned).collect()
@@ -248,7 +256,7 @@ fn files_are_opened_only_by_loaders_writers_and_commands() {
     let mut complaints = Vec::new();
     for source in sources() {
         let may = |allowed: &&str| source.path.starts_with(*allowed);
-        if !MAY_OPEN_FILES.iter().any(|allowed| may(&allowed)) {
+        if !MAY_OPEN_FILES.iter().any(|allowed| may(allowed)) {
             complaints.extend(source.naming(&OPENING));
         }
     }

@@ -72,7 +72,9 @@ fn format_there(format: PictureFormat) -> ImageFormat {
 
 /// What the decoder will ask for besides our buffer, rounded up.
 fn scratch_bytes(format: PictureFormat, envelope: Envelope, pixels: u64, decoded: u64) -> u64 {
-    match format {
+    /// Rows, tables and windows that do not grow with the picture's height.
+    const STEADY: u64 = 16 << 20;
+    let growing = match format {
         // Four components at most of 16-bit coefficients.
         PictureFormat::Jpeg if envelope.is_progressive() => 8 * pixels,
         // All planes or the ARGB words, and a copy where the picture is one frame of a canvas.
@@ -81,7 +83,8 @@ fn scratch_bytes(format: PictureFormat, envelope: Envelope, pixels: u64, decoded
         // all of it.
         PictureFormat::Tiff => 3 * decoded,
         _ => 0,
-    }
+    };
+    STEADY + growing
 }
 
 /// Whether that much memory can be had now: decoders abort the process where it cannot.

@@ -79,7 +79,8 @@ fn names(line: &str, word: &str) -> bool {
     line.match_indices(word).any(|(at, _)| {
         let before = line[..at].chars().next_back();
         let after = line[at + word.len()..].chars().next();
-        !before.is_some_and(is_word) && !(word.ends_with(is_word) && after.is_some_and(is_word))
+        let goes_on = word.ends_with(is_word) && after.is_some_and(is_word);
+        !goes_on && !before.is_some_and(is_word)
     })
 }
 
@@ -256,7 +257,7 @@ fn files_are_opened_only_by_loaders_writers_and_commands() {
     let mut complaints = Vec::new();
     for source in sources() {
         let may = |allowed: &&str| source.path.starts_with(*allowed);
-        if !MAY_OPEN_FILES.iter().any(|allowed| may(allowed)) {
+        if !MAY_OPEN_FILES.iter().any(may) {
             complaints.extend(source.naming(&OPENING));
         }
     }

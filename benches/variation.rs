@@ -1,1 +1,3 @@
+//! Measurements of the variation pipeline.
+
 fn main() {}

@@ -54,7 +54,10 @@ pub fn read_limited(path: &Path, limit_bytes: u64) -> Result<Vec<u8>, FileError>
             limit_bytes,
         });
     }
-    let mut bytes = Vec::with_capacity(metadata.len() as usize);
+    let mut bytes = Vec::new();
+    bytes
+        .try_reserve_exact(metadata.len() as usize)
+        .map_err(|_| failed(std::io::ErrorKind::OutOfMemory.into()))?;
     // One byte more than allowed: a file that grows meanwhile is noticed.
     File::open(path)
         .and_then(|file| file.take(limit_bytes + 1).read_to_end(&mut bytes))

@@ -51,7 +51,7 @@ impl Hasher {
 
     /// Adds one part.
     #[must_use]
-    pub fn add(mut self, part: &[u8]) -> Self {
+    pub fn with(mut self, part: &[u8]) -> Self {
         self.part(part);
         self
     }
@@ -73,8 +73,8 @@ mod tests {
 
     #[test]
     fn parts_are_delimited() {
-        let one = Hasher::new("t").add(b"ab").add(b"c").finish();
-        let other = Hasher::new("t").add(b"a").add(b"bc").finish();
+        let one = Hasher::new("t").with(b"ab").with(b"c").finish();
+        let other = Hasher::new("t").with(b"a").with(b"bc").finish();
         assert_ne!(one, other);
         assert_eq!(one.to_string().len(), 64);
     }

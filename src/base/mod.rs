@@ -6,13 +6,17 @@
 mod cancel;
 mod file;
 mod hash;
+mod panics;
 mod parallel;
 mod progress;
 mod random;
+mod text;
 
 pub use cancel::{Cancel, Cancelled};
 pub use file::{FileError, read_limited, write_atomic};
 pub use hash::{Digest, Hasher};
+pub use panics::{Panicked, without_panics};
 pub use parallel::{with_level_of_cpu, with_threads};
 pub use progress::{Progress, Reporter, Stage, Update};
 pub use random::{Random, Seed};
+pub use text::one_line;

@@ -16,9 +16,9 @@ impl Seed {
     /// The seed of item `index` of the job `name`, independent of all other items.
     pub fn derive(self, name: &str, index: u64) -> Self {
         let digest = Hasher::new("boscage seed")
-            .add(&self.0.to_le_bytes())
-            .add(name.as_bytes())
-            .add(&index.to_le_bytes())
+            .with(&self.0.to_le_bytes())
+            .with(name.as_bytes())
+            .with(&index.to_le_bytes())
             .finish();
         Self(digest.leading_u64())
     }

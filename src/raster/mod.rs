@@ -7,6 +7,9 @@
 //!
 //! Imports `base`.
 
+mod dds;
+mod decode;
+mod envelope;
 mod image;
 mod mask;
 mod read;
@@ -16,7 +19,9 @@ mod write;
 
 pub use image::{Image, Premultiplied, Straight};
 pub use mask::{Mask, dilated, flooded_from_outside, labelled_components, opaque_bounds};
-pub use read::{ImageError, ReadLimits, read_image};
+pub use read::{
+    ImageError, PictureFormat, ReadLimits, Refusal, read_image, read_image_from_memory,
+};
 pub use rect::Rect;
 pub use resample::resized;
 pub use write::{Compression, encode_grey_png, encode_png};

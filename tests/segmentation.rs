@@ -4,6 +4,9 @@
 //! variable `BOSCAGE_DATA` names (default `../shared/data`) and say so where it is absent. With
 //! `BOSCAGE_LOOK` naming a folder, the labels are written there as grey PNG files.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![allow(clippy::print_stdout, reason = "the table is what a person runs this for")]
+
 use boscage::base::Cancel;
 use boscage::raster::{
     Compression, Image, Premultiplied, ReadLimits, Straight, encode_grey_png, opaque_bounds,

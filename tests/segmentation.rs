@@ -4,6 +4,12 @@
 //! variable `BOSCAGE_DATA` names (default `../shared/data`) and say so where it is absent. With
 //! `BOSCAGE_LOOK` naming a folder, the labels are written there as grey PNG files.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![allow(
+    clippy::print_stdout,
+    reason = "the table is what a person runs this for"
+)]
+
 use boscage::base::Cancel;
 use boscage::raster::{
     Compression, Image, Premultiplied, ReadLimits, Straight, encode_grey_png, opaque_bounds,
@@ -198,20 +204,20 @@ fn assert_at_least(summary: &Summary, crown: f64, trunk: f64, baseline_error: f6
 fn billboards_are_segmented_as_by_hand() {
     let Some(folder) = data() else { return };
     let billboards = examples(&folder, "billboards", "png");
-    assert_at_least(&summary("billboards", &billboards), 0.99, 0.84, 0.015);
+    assert_at_least(&summary("billboards", &billboards), 0.99, 0.85, 0.01);
     // Resampled labels and resampled alpha differ along every twig, whoever segments.
     let normalised: Vec<Example> = billboards.iter().map(|e| normalised(e, 1024)).collect();
-    assert_at_least(&summary("normalised", &normalised), 0.95, 0.82, 0.015);
+    assert_at_least(&summary("normalised", &normalised), 0.95, 0.84, 0.01);
 }
 
-/// The parameters were chosen on the billboards; only the reach of bark between foliage and the
-/// threshold for a second trunk were set with these in view as well.
+/// The parameters were chosen on the billboards with these in view: pictures never seen may come out
+/// worse.
 #[test]
 fn cut_out_photographs_are_segmented_too() {
     let Some(folder) = data() else { return };
     let photos = examples(&folder, "photos", "jpg");
     let photos: Vec<Example> = photos.into_iter().map(cut_out).collect();
-    assert_at_least(&summary("photographs", &photos), 0.98, 0.74, 0.04);
+    assert_at_least(&summary("photographs", &photos), 0.99, 0.78, 0.035);
 }
 
 #[test]

@@ -306,7 +306,7 @@ mod tests {
                 let (dx, dy) = (random.below(6) as f64 - 1.0, random.below(3) as f64 - 1.0);
                 curve.push(last + Point::new(dx.min(1.0), dy));
             }
-            for count in [400, 1600] {
+            for count in [800, 1600] {
                 let points = equal_chords(&curve, count);
                 assert_eq!(points.len(), count);
                 assert_eq!(points[0], Point::ZERO);

@@ -26,10 +26,8 @@ pub struct PinnedContour {
 impl PinnedContour {
     /// `contour` (counter-clockwise as seen on screen) as `count` points.
     ///
-    /// Departure from the paper: a tree without a trunk gives all points to the crown, as the text
-    /// asks, but a combination with trees that have one then matches crown points with trunk
-    /// points. [`PinnedContour::spread`] gives such a tree the same number of points with a stretch
-    /// of its outline around the foot in the place of the trunk.
+    /// A tree without a trunk gives all points to the crown, as the paper has it. Combined with a
+    /// tree that has one, crown points then match trunk points: random choice avoids such pairs.
     pub fn resampled(contour: &[Point], pins: Pins, count: usize) -> Self {
         if !pins.has_trunk() {
             let points = equal_chords(&arc(contour, pins.bottom, pins.bottom), count);

@@ -5,8 +5,14 @@
 //!
 //! Imports `base`, `raster`, `geometry`, `contour`, `segment`.
 
+mod distortion;
+mod exemplar;
 mod mean_value;
+mod normalize;
 mod warp;
 
+pub use distortion::Distortion;
+pub use exemplar::{Exemplar, ExemplarError, ExemplarSettings, Outlined, Shape};
 pub use mean_value::{Cage, CageError, coordinates, mapped_exactly};
+pub use normalize::{Normalized, Placement, normalized};
 pub use warp::{Warp, WarpPrecision};

@@ -1,0 +1,281 @@
+//! A tree picture made ready for synthesis: normalised, labelled, its outline as vectors.
+//!
+//! After Argudo, Andújar & Chica, *Tree Variations* (2017), §4. The steps are functions of their
+//! own, so that `inspect` can show each; [`Exemplar::prepare`] runs them in order.
+
+use super::normalize::{Normalized, normalized};
+use crate::base::{Cancel, Cancelled, Progress};
+use crate::contour::{Outlines, PinnedContour, Pins, filled, outlines, pins};
+use crate::geometry::Point;
+use crate::raster::{Image, Mask, Premultiplied, Straight, dilated, labelled_components};
+use crate::segment::{Label, Labels, SegmentError, Segmenter, crown_baseline};
+use serde::{Deserialize, Serialize};
+
+/// How exemplars are prepared. All exemplars of a library share one.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct ExemplarSettings {
+    /// Side of the square that pictures are resized to, in pixels.
+    pub size: u32,
+    /// Alpha above which a pixel is opaque, 0 to 1.
+    pub threshold: f64,
+    /// N, points of the resampled contour.
+    pub points: usize,
+    /// M, vertices of the cage.
+    pub simplified: usize,
+}
+
+impl Default for ExemplarSettings {
+    fn default() -> Self {
+        Self {
+            size: 1024,
+            threshold: 0.5,
+            points: 2000,
+            simplified: 100,
+        }
+    }
+}
+
+/// Why a picture cannot be an exemplar.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum ExemplarError {
+    /// No pixel is opaque.
+    #[error("the picture is fully transparent: there is no tree in it")]
+    Transparent,
+    /// Every pixel is opaque.
+    #[error("the picture has no transparent background; cut the tree out first")]
+    NoBackground,
+    /// The tree is too small to have a shape.
+    #[error("the tree is only {width}×{height} pixels; at least {least}×{least} are needed")]
+    TooSmall {
+        /// Columns that the tree covers.
+        width: u32,
+        /// Rows that the tree covers.
+        height: u32,
+        /// The least of each.
+        least: u32,
+    },
+    /// Segmentation failed or was cancelled.
+    #[error(transparent)]
+    Segment(#[from] SegmentError),
+}
+
+impl From<Cancelled> for ExemplarError {
+    fn from(cancelled: Cancelled) -> Self {
+        Self::Segment(cancelled.into())
+    }
+}
+
+/// Fewest rows and columns of a tree that may join a library: below, an outline has no shape and
+/// the picture is an icon or an accident.
+const LEAST_SIDE_PX: u32 = 16;
+
+/// Iterations of dilation between outline and cage, for pictures of 1,024 pixels (TV §4.6).
+const DILATION_AT_1024: f64 = 8.0;
+
+/// The vectors of an exemplar: all that is needed to choose and to plan, without its pixels.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Shape {
+    /// Side of the normalised picture, in pixels; the coordinates below are pixels of it.
+    pub size: u32,
+    /// C_r, the outline in N points.
+    pub contour: PinnedContour,
+    /// C_s, the cage of M vertices some pixels outside of it.
+    pub cage: PinnedContour,
+    /// Row where the crown begins above the trunk, if a trunk shows.
+    pub baseline_y: Option<f64>,
+    /// Share of the outline's inside that is opaque, 0 to 1: how dense the tree is.
+    pub density: f64,
+}
+
+/// A prepared tree picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Exemplar {
+    /// Its vectors.
+    pub shape: Shape,
+    /// The normalised picture, [`Shape::size`] pixels square.
+    pub image: Image<Premultiplied>,
+    /// Crown and trunk of the normalised picture.
+    pub labels: Labels,
+}
+
+impl Exemplar {
+    /// Prepares `picture`, with `segmenter` telling crown from trunk.
+    ///
+    /// # Errors
+    /// [`ExemplarError`]: nothing or everything is opaque, the tree is too small, segmentation
+    /// failed, or `cancel` was raised.
+    pub fn prepare(
+        picture: &Image<Straight>,
+        settings: &ExemplarSettings,
+        segmenter: &dyn Segmenter,
+        progress: Progress<'_>,
+        cancel: &Cancel,
+    ) -> Result<Self, ExemplarError> {
+        let stage = progress.stage("normalize", 1);
+        let normalized = normalized(picture, settings.size, settings.threshold)?;
+        check_usable(picture, &normalized)?;
+        drop(stage);
+        let stage = progress.stage("segment", 1);
+        let labels = segmenter.segment(&normalized.image.straight(), cancel)?;
+        drop(stage);
+        let outlined = Outlined::new(&normalized, progress);
+        let shape = outlined.shape(&labels, settings, progress);
+        Ok(Self {
+            shape,
+            image: normalized.image,
+            labels,
+        })
+    }
+}
+
+/// Refuses pictures that can be looked at but not used.
+fn check_usable(picture: &Image<Straight>, normalized: &Normalized) -> Result<(), ExemplarError> {
+    let crop = normalized.placement.crop;
+    if crop.width < LEAST_SIDE_PX || crop.height < LEAST_SIDE_PX {
+        return Err(ExemplarError::TooSmall {
+            width: crop.width,
+            height: crop.height,
+            least: LEAST_SIDE_PX,
+        });
+    }
+    if picture.pixels().iter().all(|pixel| pixel.alpha() == 255) {
+        return Err(ExemplarError::NoBackground);
+    }
+    Ok(())
+}
+
+/// A normalised picture and all borders of its opaque part.
+pub struct Outlined {
+    /// The opaque pixels, which the borders were followed on.
+    pub mask: Mask,
+    /// All borders.
+    pub outlines: Outlines,
+    /// The longest exterior border, counter-clockwise as seen on screen.
+    pub longest: Vec<Point>,
+}
+
+impl Outlined {
+    /// Follows the borders of `normalized`.
+    pub fn new(normalized: &Normalized, progress: Progress<'_>) -> Self {
+        let _stage = progress.stage("contours", 1);
+        let mask = normalized.mask.clone();
+        let outlines = outlines(&mask);
+        let longest = outlines
+            .longest_exterior()
+            .unwrap_or_else(|| unreachable!("a normalised picture has opaque pixels"));
+        Self {
+            mask,
+            outlines,
+            longest,
+        }
+    }
+
+    /// The pins of the longest border.
+    pub fn pins(&self, labels: &Labels) -> (Pins, Option<f64>) {
+        let baseline_y = crown_baseline(labels).map(f64::from);
+        let on_trunk = |p: Point| labels.get(p.x as i64, p.y as i64) == Some(Label::Trunk);
+        (pins(&self.longest, baseline_y, on_trunk), baseline_y)
+    }
+
+    /// The outline as vectors: resampled contour and cage.
+    pub fn shape(
+        &self,
+        labels: &Labels,
+        settings: &ExemplarSettings,
+        progress: Progress<'_>,
+    ) -> Shape {
+        let stage = progress.stage("pins", 1);
+        let (pins, baseline_y) = self.pins(labels);
+        drop(stage);
+        let stage = progress.stage("resample", 1);
+        let contour = PinnedContour::resampled(&self.longest, pins, settings.points);
+        drop(stage);
+        let _stage = progress.stage("simplify", 1);
+        let inside = filled(&contour.points, Point::ZERO, settings.size, settings.size);
+        let cage = cage(&contour, &self.mask, settings);
+        let opaque = inside
+            .pixels()
+            .iter()
+            .zip(self.mask.pixels())
+            .filter(|(i, m)| **i && **m);
+        let density = opaque.count() as f64 / inside.count().max(1) as f64;
+        Shape {
+            size: settings.size,
+            contour,
+            cage,
+            baseline_y,
+            density,
+        }
+    }
+}
+
+/// C_s: the outline of the filled and dilated contour, resampled between the same pins (TV §4.6).
+///
+/// Departure from the paper: leaves that float free but lie within reach of the dilation are
+/// filled too, so that the cage goes round them instead of cutting them.
+fn cage(contour: &PinnedContour, mask: &Mask, settings: &ExemplarSettings) -> PinnedContour {
+    let radius = (DILATION_AT_1024 * f64::from(settings.size) / 1024.0)
+        .round()
+        .max(2.0);
+    let margin = radius as u32 + 2;
+    let side = settings.size + 2 * margin;
+    let offset = Point::splat(f64::from(margin));
+    let mut inside = filled(&contour.points, offset, side, side);
+    add_floating_parts(&mut inside, mask, margin, radius as u8);
+    let grown = dilated(&inside, radius as u8);
+    let outer: Vec<Point> = outlines(&grown)
+        .longest_exterior()
+        .unwrap_or_else(|| unreachable!("a filled contour has an inside"))
+        .into_iter()
+        .map(|point| point - offset)
+        .collect();
+    let pins = moved_pins(contour, &outer, radius);
+    PinnedContour::resampled(&outer, pins, settings.simplified)
+}
+
+/// Adds to `inside` the parts of `mask` that a dilation by `radius` of both would join to it.
+fn add_floating_parts(inside: &mut Mask, mask: &Mask, margin: u32, radius: u8) {
+    let mut all = inside.clone();
+    for y in 0..mask.height() {
+        let row = &mut all.row_mut(y + margin)[margin as usize..];
+        for (all, &own) in row.iter_mut().zip(mask.row(y)) {
+            *all |= own;
+        }
+    }
+    let joined = labelled_components(&dilated(&all, radius));
+    let main = inside.pixels().iter().position(|&own| own);
+    let Some(main) = main.map(|index| joined.pixels()[index]) else {
+        return;
+    };
+    let parts = joined.pixels().iter().zip(all.pixels());
+    for (inside, (&part, &own)) in inside.pixels_mut().iter_mut().zip(parts) {
+        *inside |= own && part == main;
+    }
+}
+
+/// The pins of `contour` on the wider outline `outer`.
+fn moved_pins(contour: &PinnedContour, outer: &[Point], radius: f64) -> Pins {
+    let nearest = |to: Point| {
+        let distance = |i: &usize| outer[*i].distance_squared(to);
+        (0..outer.len())
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+            .unwrap_or(0)
+    };
+    let bottom = nearest(contour.bottom() + Point::new(0.0, radius));
+    if !contour.pins.has_trunk() {
+        return Pins::without_trunk(bottom);
+    }
+    // The sides of a trunk are upright: its dilation moves them sideways.
+    let right = nearest(contour.right() + Point::new(radius, 0.0));
+    let left = nearest(contour.left() - Point::new(radius, 0.0));
+    let after_bottom = |i: usize| (i + outer.len() - bottom) % outer.len();
+    if 0 < after_bottom(right) && after_bottom(right) < after_bottom(left) {
+        Pins {
+            bottom,
+            left,
+            right,
+        }
+    } else {
+        Pins::without_trunk(bottom)
+    }
+}

@@ -1,0 +1,585 @@
+//! The species table: every number that makes an oak an oak.
+//!
+//! Names say "like": these are characters for pictures, not botany. Leaves are a third larger
+//! than in nature, as they are in games, so that they can be read at a distance.
+
+use super::bark::{Bark, BarkKind};
+use super::crown::Crown;
+use super::foliage::{Foliage, LeafTint, Phyllotaxis};
+use super::sprite::LeafShape;
+use super::whorls::Whorls;
+
+/// How a skeleton is made.
+#[derive(Debug, Clone, Copy)]
+pub enum Habit {
+    /// By space colonisation of a lobed crown.
+    Crown(Crown),
+    /// By rule, in whorls.
+    Whorls(Whorls),
+}
+
+/// One species character.
+#[derive(Debug, Clone, Copy)]
+pub struct Species {
+    /// Height in metres, of the envelope: a grown tree differs by a few per cent.
+    pub height_m: f32,
+    /// Radius of the stem above the flare in metres.
+    pub stem_m: f32,
+    /// Radius of the thinnest skeleton limbs in metres.
+    pub tip_m: f32,
+    /// Growth.
+    pub habit: Habit,
+    /// Bark.
+    pub bark: Bark,
+    /// Leaves.
+    pub foliage: Foliage,
+}
+
+/// Broad, gnarled, with a short stem and dense lobed foliage.
+pub const OAK: Species = Species {
+    height_m: 13.0,
+    stem_m: 0.42,
+    tip_m: 0.011,
+    habit: Habit::Crown(Crown {
+        base: 0.20,
+        outline: &[
+            (0.0, 0.20),
+            (0.12, 0.37),
+            (0.35, 0.45),
+            (0.6, 0.42),
+            (0.82, 0.30),
+            (0.95, 0.14),
+            (1.0, 0.02),
+        ],
+        lobes: 90,
+        lobe: (0.085, 0.15),
+        flatness: 0.62,
+        loose: 0.06,
+        spacing_m: 0.46,
+        leader: 0.24,
+        stems: 1,
+        crook: 0.34,
+        rise: 0.02,
+        strands_m: 0.0,
+    }),
+    bark: Bark {
+        kind: BarkKind::Furrowed,
+        low: [122, 108, 92],
+        high: [104, 94, 80],
+    },
+    foliage: Foliage {
+        shape: LeafShape::Lobed,
+        leaf_m: 0.17,
+        phyllotaxis: Phyllotaxis::Spiral,
+        twigs: 2.2,
+        twig_m: 0.36,
+        leaves: 8,
+        bearing_tips: 4,
+        droop: 0.25,
+        tint: LeafTint {
+            main: [84, 106, 50],
+            other: [118, 132, 62],
+            through: [150, 160, 60],
+            share: 0.38,
+            patchy: 0.45,
+        },
+    },
+};
+
+/// Slender, white-stemmed, airy, with drooping outer twigs.
+pub const BIRCH: Species = Species {
+    height_m: 14.0,
+    stem_m: 0.17,
+    tip_m: 0.008,
+    habit: Habit::Crown(Crown {
+        base: 0.26,
+        outline: &[
+            (0.0, 0.10),
+            (0.2, 0.20),
+            (0.45, 0.215),
+            (0.75, 0.14),
+            (0.93, 0.06),
+            (1.0, 0.01),
+        ],
+        lobes: 110,
+        lobe: (0.05, 0.09),
+        flatness: 0.75,
+        loose: 0.12,
+        spacing_m: 0.46,
+        leader: 0.90,
+        stems: 1,
+        crook: 0.16,
+        rise: 0.20,
+        strands_m: 0.75,
+    }),
+    bark: Bark {
+        kind: BarkKind::Birch,
+        low: [216, 211, 202],
+        high: [176, 160, 146],
+    },
+    foliage: Foliage {
+        shape: LeafShape::Ovate,
+        leaf_m: 0.115,
+        phyllotaxis: Phyllotaxis::Spiral,
+        twigs: 0.85,
+        twig_m: 0.26,
+        leaves: 6,
+        bearing_tips: 5,
+        droop: 0.75,
+        tint: LeafTint {
+            main: [104, 128, 58],
+            other: [142, 156, 72],
+            through: [166, 176, 66],
+            share: 0.40,
+            patchy: 0.3,
+        },
+    },
+};
+
+/// A tight column of rising limbs.
+pub const POPLAR: Species = Species {
+    height_m: 18.0,
+    stem_m: 0.26,
+    tip_m: 0.010,
+    habit: Habit::Crown(Crown {
+        base: 0.07,
+        outline: &[
+            (0.0, 0.055),
+            (0.12, 0.095),
+            (0.45, 0.125),
+            (0.75, 0.10),
+            (0.93, 0.05),
+            (1.0, 0.008),
+        ],
+        lobes: 170,
+        lobe: (0.035, 0.06),
+        flatness: 1.5,
+        loose: 0.12,
+        spacing_m: 0.42,
+        leader: 0.93,
+        stems: 1,
+        crook: 0.14,
+        rise: 0.75,
+        strands_m: 0.0,
+    }),
+    bark: Bark {
+        kind: BarkKind::Furrowed,
+        low: [116, 108, 96],
+        high: [126, 120, 106],
+    },
+    foliage: Foliage {
+        shape: LeafShape::Round,
+        leaf_m: 0.155,
+        phyllotaxis: Phyllotaxis::Spiral,
+        twigs: 1.9,
+        twig_m: 0.30,
+        leaves: 7,
+        bearing_tips: 5,
+        droop: 0.2,
+        tint: LeafTint {
+            main: [88, 114, 60],
+            other: [122, 142, 74],
+            through: [150, 166, 66],
+            share: 0.35,
+            patchy: 0.35,
+        },
+    },
+};
+
+/// Round-headed and dense, with pointed leaves in pairs.
+pub const MAPLE: Species = Species {
+    height_m: 12.0,
+    stem_m: 0.25,
+    tip_m: 0.010,
+    habit: Habit::Crown(Crown {
+        base: 0.21,
+        outline: &[
+            (0.0, 0.13),
+            (0.12, 0.27),
+            (0.35, 0.36),
+            (0.6, 0.345),
+            (0.82, 0.24),
+            (0.95, 0.11),
+            (1.0, 0.02),
+        ],
+        lobes: 120,
+        lobe: (0.075, 0.13),
+        flatness: 0.72,
+        loose: 0.10,
+        spacing_m: 0.42,
+        leader: 0.36,
+        stems: 1,
+        crook: 0.20,
+        rise: 0.22,
+        strands_m: 0.0,
+    }),
+    bark: Bark {
+        kind: BarkKind::Furrowed,
+        low: [118, 110, 100],
+        high: [110, 102, 92],
+    },
+    foliage: Foliage {
+        shape: LeafShape::Palmate,
+        leaf_m: 0.19,
+        phyllotaxis: Phyllotaxis::Opposite,
+        twigs: 1.7,
+        twig_m: 0.36,
+        leaves: 8,
+        bearing_tips: 4,
+        droop: 0.5,
+        tint: LeafTint {
+            main: [72, 104, 54],
+            other: [106, 130, 62],
+            through: [134, 158, 58],
+            share: 0.35,
+            patchy: 0.4,
+        },
+    },
+};
+
+/// The maple in October.
+pub const MAPLE_AUTUMN: Species = Species {
+    foliage: Foliage {
+        leaves: 7,
+        twigs: 1.5,
+        tint: LeafTint {
+            main: [164, 78, 36],
+            other: [196, 148, 58],
+            through: [222, 140, 46],
+            share: 0.42,
+            patchy: 0.85,
+        },
+        ..MAPLE.foliage
+    },
+    ..MAPLE
+};
+
+/// A few years old: thin stem, open, upright.
+pub const SAPLING: Species = Species {
+    height_m: 5.2,
+    stem_m: 0.055,
+    tip_m: 0.006,
+    habit: Habit::Crown(Crown {
+        base: 0.30,
+        outline: &[
+            (0.0, 0.10),
+            (0.2, 0.20),
+            (0.5, 0.22),
+            (0.8, 0.13),
+            (1.0, 0.02),
+        ],
+        lobes: 60,
+        lobe: (0.06, 0.10),
+        flatness: 0.9,
+        loose: 0.15,
+        spacing_m: 0.30,
+        leader: 0.80,
+        stems: 1,
+        crook: 0.18,
+        rise: 0.35,
+        strands_m: 0.0,
+    }),
+    bark: Bark {
+        kind: BarkKind::Smooth,
+        low: [128, 116, 98],
+        high: [120, 104, 84],
+    },
+    foliage: Foliage {
+        shape: LeafShape::Ovate,
+        leaf_m: 0.125,
+        phyllotaxis: Phyllotaxis::Spiral,
+        twigs: 1.3,
+        twig_m: 0.22,
+        leaves: 6,
+        bearing_tips: 5,
+        droop: 0.35,
+        tint: LeafTint {
+            main: [98, 128, 60],
+            other: [136, 154, 78],
+            through: [160, 176, 70],
+            share: 0.4,
+            patchy: 0.3,
+        },
+    },
+};
+
+/// Many stems from the ground, leafy down to it.
+pub const SHRUB: Species = Species {
+    height_m: 3.0,
+    stem_m: 0.045,
+    tip_m: 0.005,
+    habit: Habit::Crown(Crown {
+        base: 0.05,
+        outline: &[
+            (0.0, 0.34),
+            (0.15, 0.50),
+            (0.4, 0.56),
+            (0.7, 0.44),
+            (0.9, 0.22),
+            (1.0, 0.04),
+        ],
+        lobes: 130,
+        lobe: (0.11, 0.18),
+        flatness: 0.85,
+        loose: 0.12,
+        spacing_m: 0.165,
+        leader: 0.30,
+        stems: 7,
+        crook: 0.25,
+        rise: 0.15,
+        strands_m: 0.0,
+    }),
+    bark: Bark {
+        kind: BarkKind::Smooth,
+        low: [112, 100, 84],
+        high: [108, 92, 74],
+    },
+    foliage: Foliage {
+        shape: LeafShape::Ovate,
+        leaf_m: 0.085,
+        phyllotaxis: Phyllotaxis::Opposite,
+        twigs: 1.4,
+        twig_m: 0.15,
+        leaves: 8,
+        bearing_tips: 5,
+        droop: 0.15,
+        tint: LeafTint {
+            main: [74, 100, 54],
+            other: [112, 130, 72],
+            through: [140, 156, 62],
+            share: 0.35,
+            patchy: 0.35,
+        },
+    },
+};
+
+/// Weeping: a few rising limbs under curtains of narrow leaves.
+pub const WILLOW: Species = Species {
+    height_m: 10.5,
+    stem_m: 0.33,
+    tip_m: 0.007,
+    habit: Habit::Crown(Crown {
+        base: 0.38,
+        outline: &[
+            (0.0, 0.20),
+            (0.25, 0.36),
+            (0.6, 0.36),
+            (0.85, 0.22),
+            (1.0, 0.04),
+        ],
+        lobes: 34,
+        lobe: (0.09, 0.14),
+        flatness: 0.7,
+        loose: 0.06,
+        spacing_m: 0.62,
+        leader: 0.24,
+        stems: 1,
+        crook: 0.28,
+        rise: 0.12,
+        strands_m: 2.7,
+    }),
+    bark: Bark {
+        kind: BarkKind::Furrowed,
+        low: [118, 108, 92],
+        high: [132, 122, 84],
+    },
+    foliage: Foliage {
+        shape: LeafShape::Lance,
+        leaf_m: 0.18,
+        phyllotaxis: Phyllotaxis::Spiral,
+        twigs: 1.0,
+        twig_m: 0.17,
+        leaves: 5,
+        bearing_tips: 2,
+        droop: 0.95,
+        tint: LeafTint {
+            main: [112, 130, 68],
+            other: [146, 158, 92],
+            through: [170, 180, 84],
+            share: 0.4,
+            patchy: 0.3,
+        },
+    },
+};
+
+/// Open crown on a light scaffold: sky shows between its boughs.
+pub const ROBINIA: Species = Species {
+    height_m: 13.0,
+    stem_m: 0.22,
+    tip_m: 0.009,
+    habit: Habit::Crown(Crown {
+        base: 0.34,
+        outline: &[
+            (0.0, 0.12),
+            (0.2, 0.25),
+            (0.55, 0.31),
+            (0.85, 0.20),
+            (1.0, 0.04),
+        ],
+        lobes: 30,
+        lobe: (0.065, 0.11),
+        flatness: 0.55,
+        loose: 0.07,
+        spacing_m: 0.50,
+        leader: 0.42,
+        stems: 1,
+        crook: 0.32,
+        rise: 0.12,
+        strands_m: 0.0,
+    }),
+    bark: Bark {
+        kind: BarkKind::Furrowed,
+        low: [112, 100, 84],
+        high: [98, 86, 72],
+    },
+    foliage: Foliage {
+        shape: LeafShape::Ovate,
+        leaf_m: 0.12,
+        phyllotaxis: Phyllotaxis::Rows,
+        twigs: 1.5,
+        twig_m: 0.42,
+        leaves: 10,
+        bearing_tips: 3,
+        droop: 0.35,
+        tint: LeafTint {
+            main: [96, 122, 66],
+            other: [130, 148, 82],
+            through: [158, 172, 74],
+            share: 0.4,
+            patchy: 0.35,
+        },
+    },
+};
+
+/// Dark, conical, with sinking boughs down to the ground.
+pub const SPRUCE: Species = Species {
+    height_m: 15.0,
+    stem_m: 0.24,
+    tip_m: 0.007,
+    habit: Habit::Whorls(Whorls {
+        base: 0.055,
+        outline: &[
+            (0.0, 0.215),
+            (0.08, 0.235),
+            (0.5, 0.135),
+            (0.9, 0.035),
+            (1.0, 0.008),
+        ],
+        interval_m: 0.52,
+        boughs: 7,
+        slope: (-0.05, 0.75),
+        sink: 0.42,
+        lift: 0.24,
+        spread: 0.55,
+        hang: 0.75,
+        twig_step_m: 0.16,
+    }),
+    bark: Bark {
+        kind: BarkKind::Plates,
+        low: [112, 92, 76],
+        high: [116, 92, 72],
+    },
+    foliage: Foliage {
+        shape: LeafShape::Brush,
+        leaf_m: 0.24,
+        phyllotaxis: Phyllotaxis::Cards,
+        twigs: 1.7,
+        twig_m: 0.0,
+        leaves: 1,
+        bearing_tips: 30,
+        droop: 0.25,
+        tint: LeafTint {
+            main: [58, 82, 52],
+            other: [92, 114, 68],
+            through: [96, 116, 52],
+            share: 0.35,
+            patchy: 0.35,
+        },
+    },
+};
+
+/// Blue-green, tighter, with level boughs.
+pub const FIR: Species = Species {
+    height_m: 11.0,
+    stem_m: 0.19,
+    habit: Habit::Whorls(Whorls {
+        base: 0.08,
+        outline: &[
+            (0.0, 0.20),
+            (0.1, 0.25),
+            (0.45, 0.19),
+            (0.85, 0.065),
+            (1.0, 0.01),
+        ],
+        interval_m: 0.48,
+        boughs: 6,
+        slope: (0.10, 0.65),
+        sink: 0.16,
+        lift: 0.05,
+        spread: 0.62,
+        hang: 0.12,
+        twig_step_m: 0.15,
+    }),
+    foliage: Foliage {
+        leaf_m: 0.20,
+        twigs: 1.6,
+        tint: LeafTint {
+            main: [70, 94, 74],
+            other: [112, 132, 104],
+            through: [104, 124, 70],
+            share: 0.35,
+            patchy: 0.3,
+        },
+        ..SPRUCE.foliage
+    },
+    ..SPRUCE
+};
+
+/// A tall bare stem, orange above, with a crown of flat clouds.
+pub const PINE: Species = Species {
+    height_m: 16.0,
+    stem_m: 0.25,
+    tip_m: 0.012,
+    habit: Habit::Crown(Crown {
+        base: 0.56,
+        outline: &[
+            (0.0, 0.10),
+            (0.2, 0.22),
+            (0.5, 0.23),
+            (0.8, 0.16),
+            (1.0, 0.03),
+        ],
+        lobes: 60,
+        lobe: (0.06, 0.105),
+        flatness: 0.48,
+        loose: 0.03,
+        spacing_m: 0.40,
+        leader: 0.78,
+        stems: 1,
+        crook: 0.36,
+        rise: 0.05,
+        strands_m: 0.0,
+    }),
+    bark: Bark {
+        kind: BarkKind::Plates,
+        low: [124, 104, 88],
+        high: [176, 116, 76],
+    },
+    foliage: Foliage {
+        shape: LeafShape::Tuft,
+        leaf_m: 0.26,
+        phyllotaxis: Phyllotaxis::Cards,
+        twigs: 3.2,
+        twig_m: 0.0,
+        leaves: 1,
+        bearing_tips: 4,
+        droop: 0.0,
+        tint: LeafTint {
+            main: [72, 94, 62],
+            other: [110, 126, 78],
+            through: [112, 128, 62],
+            share: 0.35,
+            patchy: 0.3,
+        },
+    },
+};

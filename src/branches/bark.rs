@@ -53,10 +53,10 @@ impl Bark {
 
 fn furrows(around_m: f32, along_m: f32) -> f32 {
     let wander = 0.05 * noise2(around_m * 5.0, along_m * 3.0, 11);
-    let ridge = noise2((around_m + wander) * 26.0, along_m * 3.2, 12);
-    let fine = noise2((around_m + wander) * 55.0, along_m * 7.0, 13);
+    let ridge = noise2((around_m + wander) * 15.0, along_m * 2.4, 12);
+    let fine = noise2((around_m + wander) * 40.0, along_m * 7.0, 13);
     let depth = ridge + 0.4 * fine;
-    0.42 + 0.85 * ramp(-0.55, 0.45, depth)
+    0.50 + 0.70 * ramp(-0.75, 0.55, depth)
 }
 
 fn dashes(around_m: f32, along_m: f32) -> f32 {

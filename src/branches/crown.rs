@@ -69,6 +69,7 @@ pub fn crown_skeleton(
         kill_m: 0.95 * crown.spacing_m,
         influence_m: 0.6 * height_m,
         tropism: Vec3::Y * crown.rise,
+        bare_m: 0.9 * crown.base.min(crown.leader) * height_m,
         crook: crown.crook,
     };
     colonise(&mut skeleton, &attractors, &reach, random, cancel)?;
@@ -86,7 +87,7 @@ fn stems(skeleton: &mut Skeleton, crown: &Crown, height_m: f32, random: &mut Ran
     for stem in 0..crown.stems {
         let salt = random.bits() as u32;
         let lean = match crown.stems {
-            1 => random_in_ball(random) * 0.05,
+            1 => random_in_ball(random) * 0.03,
             _ => {
                 let angle = stem as f32 * 2.4 + random.unit() as f32;
                 Vec3::new(libm::cosf(angle), 0.0, libm::sinf(angle))
@@ -100,7 +101,7 @@ fn stems(skeleton: &mut Skeleton, crown: &Crown, height_m: f32, random: &mut Ran
         while position.y < reach_m {
             let sway = |axis: f32| noise3(0.35 * position.y, axis, 0.0, salt) * 0.5 * crown.crook;
             direction =
-                (direction * 3.0 + Vec3::Y * 0.6 + Vec3::new(sway(0.0), 0.0, sway(7.0)) * 2.0)
+                (direction * 3.0 + Vec3::Y * 0.7 + Vec3::new(sway(0.0), 0.0, sway(7.0)) * 1.3)
                     .normalize();
             position += direction * step_m;
             last = skeleton.add(position, Some(last));
@@ -141,8 +142,11 @@ fn attractors(crown: &Crown, height_m: f32, random: &mut Random) -> Vec<Vec3> {
 fn lobes(crown: &Crown, height_m: f32, random: &mut Random) -> Vec<Lobe> {
     let mut lobes: Vec<Lobe> = Vec::new();
     for _ in 0..crown.lobes {
-        let radius_m = random.between(crown.lobe.0.into(), crown.lobe.1.into()) as f32 * height_m;
+        let wanted_m = random.between(crown.lobe.0.into(), crown.lobe.1.into()) as f32 * height_m;
         let center = point_in_envelope(crown, height_m, 0.9, random);
+        let t = (center.y / height_m - crown.base) / (1.0 - crown.base);
+        let room_m = (0.85 * outline_radius(crown.outline, t) + 0.015) * height_m;
+        let radius_m = wanted_m.min(room_m);
         let crowded = lobes.iter().any(|other| {
             let apart = (other.center - center) / Vec3::new(1.0, crown.flatness, 1.0);
             apart.length() < 0.62 * (other.radius_m + radius_m)

@@ -1,7 +1,6 @@
 //! How much of sun and sky reaches a place in the crown.
 //!
-//! Leaf area is counted in voxels; light falls off along a ray by Beer and Lambert's law with the
-//! usual extinction of one half the leaf area density. For every voxel one ray goes to the sun and
+//! Leaf area is counted in voxels; light falls off along a ray by Beer and Lambert's law. For every voxel one ray goes to the sun and
 //! a few to the sky; places between voxels interpolate. This makes the bright tops, the dark
 //! undersides and the depth of a crown; single leaves add their own tilt in `paint`.
 
@@ -20,6 +19,10 @@ const TO_SKY: [(Vec3, f32); 6] = [
     (Vec3::new(-0.05, 0.60, -0.80), 0.10),
     (Vec3::new(0.0, 0.05, 1.0), 0.12),
 ];
+
+/// Extinction of a ray for each unit of leaf area density. One half for leaves of any direction;
+/// more here, for single leaves that stand for several must still shade like them.
+const EXTINCTION: f32 = 0.8;
 
 /// Something that stops light: a leaf of `area_m2` at `position`.
 #[derive(Debug, Clone, Copy)]
@@ -69,7 +72,7 @@ impl LightGrid {
             reached: Vec::new(),
         };
         let mut extinction = vec![0.0f32; size.iter().product()];
-        let per_voxel = 0.5 / (voxel_m * voxel_m * voxel_m);
+        let per_voxel = EXTINCTION / (voxel_m * voxel_m * voxel_m);
         for blocker in blockers {
             let cell = ((blocker.position - origin) / voxel_m)
                 .to_array()

@@ -23,6 +23,9 @@ const SKY: Vec3 = Vec3::new(0.62, 0.72, 0.86);
 /// Light that has wandered through the crown: keeps the deepest shade from being black.
 const STRAY: Vec3 = Vec3::new(0.050, 0.060, 0.040);
 
+/// Share of colour that survives haze and lens: photographs of trees are never as green as paint.
+const COLOURFULNESS: f32 = 0.84;
+
 /// A tree ready to be painted.
 pub struct Subject<'a> {
     /// The wood.
@@ -239,7 +242,7 @@ fn paint_wood(canvas: &mut Canvas, view: &View, subject: &Subject<'_>) {
 
 /// Widening of the stem towards the ground.
 fn flare(y: f32, stem_m: f32) -> f32 {
-    1.0 + 0.55 * libm::expf(-y.max(0.0) / (1.6 * stem_m))
+    1.0 + 0.42 * libm::expf(-y.max(0.0) / (1.9 * stem_m))
 }
 
 /// Root spurs that run from the foot into the ground.
@@ -250,15 +253,15 @@ fn paint_roots(canvas: &mut Canvas, view: &View, subject: &Subject<'_>, stem_m: 
     for spur in 0..6u32 {
         let angle = spur as f32 * 1.13 + 0.4 * noise2(spur as f32 * 3.3, stem_m * 50.0, 77);
         let out = Vec3::new(libm::cosf(angle), 0.0, libm::sinf(angle));
-        let reach = 1.45 + 0.5 * noise2(spur as f32 * 5.1, stem_m * 70.0, 78);
+        let reach = 2.0 + 0.5 * noise2(spur as f32 * 5.1, stem_m * 70.0, 78);
         paint_piece(
             canvas,
             view,
             subject,
             &Piece {
-                from: out * stem_m * 0.5 + Vec3::Y * stem_m * 1.5,
-                to: out * stem_m * reach - Vec3::Y * stem_m * 0.25,
-                radius_m: (stem_m * 0.55, stem_m * 0.26),
+                from: out * stem_m * 0.45 + Vec3::Y * stem_m * 1.7,
+                to: out * stem_m * reach - Vec3::Y * stem_m * 0.15,
+                radius_m: (stem_m * 0.62, stem_m * 0.22),
                 path_m: spur as f32 * 0.7,
                 part: Part::Trunk,
                 salt: spur,
@@ -363,13 +366,14 @@ impl<'a> Wood<'a> {
         let sun = a.sun + (b.sun - a.sun) * t;
         let sky = a.sky + (b.sky - a.sky) * t;
         // Sun flecks wander over shaded wood.
-        let fleck = 0.55 + 0.9 * ramp(-0.2, 0.5, noise2(place.x * 5.0 + around, along_m * 3.0, 55));
+        let wander = noise2(place.x * 5.0 + around, along_m * 3.0, 55);
+        let fleck = 1.0 + (ramp(-0.3, 0.4, wander) - 0.6) * 3.0 * sun * (1.0 - sun);
         let cosine = (normal.dot(TO_SUN) * 0.9 + 0.1).max(0.0);
         let foot = 0.55 + 0.45 * ramp(0.0, 0.05, place.y / self.subject.height_m);
-        let light = SUN * (cosine * sun * fleck.min(1.0 + sun) * 0.75)
+        let light = SUN * (cosine * sun * fleck * 0.75)
             + SKY * (sky * (0.45 + 0.25 * normal.y + 0.3 * normal.z)) * foot
             + STRAY;
-        bytes(shown(albedo * light * relief.clamp(0.25, 1.5)))
+        bytes(shown(albedo * light * relief.clamp(0.55, 1.25)))
     }
 }
 
@@ -398,6 +402,8 @@ fn linear_from_srgb(srgb: Vec3) -> Vec3 {
 
 /// sRGB in 0..255 from linear light, with a shoulder that keeps highlights below white.
 fn shown(light: Vec3) -> Vec3 {
+    let grey = Vec3::splat(light.dot(Vec3::new(0.25, 0.62, 0.13)));
+    let light = grey.lerp(light, COLOURFULNESS);
     let channel = |c: f32| {
         let soft = c * (1.0 + 0.12 * c) / (1.0 + 0.55 * c);
         255.0 * libm::powf(soft.clamp(0.0, 1.0), 1.0 / 2.2)

@@ -40,6 +40,8 @@ pub struct Reach {
     pub influence_m: f32,
     /// Added to the unit direction of growth: y > 0 makes limbs rise.
     pub tropism: Vec3,
+    /// Nodes below this height do not grow, in metres: the bare part of the stem.
+    pub bare_m: f32,
     /// Sideways error of each step as a share of it; 0.1 is a smooth limb, 0.4 a gnarled one.
     pub crook: f32,
 }
@@ -131,7 +133,7 @@ pub fn colonise(
     let mut fresh = 0;
     for _ in 0..MAX_ROUNDS {
         cancel.check()?;
-        notice(&mut waiting, skeleton, fresh);
+        notice(&mut waiting, skeleton, fresh, reach.bare_m);
         waiting.retain(|point| point.distance_squared > reach.kill_m * reach.kill_m);
         fresh = skeleton.nodes.len();
         grow_once(skeleton, &waiting, &mut tips, reach, random);
@@ -142,12 +144,12 @@ pub fn colonise(
     Ok(())
 }
 
-/// Lets the points notice the nodes from index `fresh` on.
-fn notice(waiting: &mut [Attractor], skeleton: &Skeleton, fresh: usize) {
+/// Lets the points notice the nodes from index `fresh` on that may grow.
+fn notice(waiting: &mut [Attractor], skeleton: &Skeleton, fresh: usize, bare_m: f32) {
     for point in waiting {
         for (index, node) in skeleton.nodes.iter().enumerate().skip(fresh) {
             let distance_squared = point.position.distance_squared(node.position);
-            if distance_squared < point.distance_squared {
+            if node.position.y >= bare_m && distance_squared < point.distance_squared {
                 point.distance_squared = distance_squared;
                 point.nearest = index as u32;
             }
@@ -216,6 +218,7 @@ mod tests {
             kill_m: 0.4,
             influence_m: 9.0,
             tropism: Vec3::ZERO,
+            bare_m: 0.0,
             crook: 0.1,
         };
         let mut skeleton = Skeleton::default();

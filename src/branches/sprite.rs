@@ -236,9 +236,9 @@ impl Pen<'_> {
             let long = 0.80 + 0.05 * ((needle * 5) % 5) as f32;
             let grey = 88 + 14 * ((needle * 7) % 6) as u8;
             let tip = (turn * long, long * (1.0 - 0.42 * turn * turn));
-            self.vein((0.0, 0.0), tip, 0.07, grey);
+            self.vein((0.0, 0.0), tip, 0.05, grey);
         }
-        0.95
+        0.85
     }
 }
 

@@ -54,7 +54,7 @@ pub fn whorl_skeleton(habit: &Whorls, height_m: f32, random: &mut Random) -> Ske
             let up =
                 habit.interval_m * random.between(0.0, 0.5 + 0.3 * f64::from(bough % 2)) as f32;
             let long = outline_radius(habit.outline, t) * height_m * weak;
-            let length_m = long * random.between(0.72, 1.12) as f32 + 0.05;
+            let length_m = long * random.between(0.66, 1.14) as f32 + 0.05;
             let at = stem[(((y + up) / height_m * stem.len() as f32) as usize).min(stem.len() - 1)];
             add_bough(&mut skeleton, habit, at, azimuth, length_m, t, random);
         }
@@ -103,7 +103,8 @@ fn add_bough(
     let mut before = start;
     for step in 1..=steps {
         let u = step as f32 / steps as f32;
-        let position = curve(u);
+        let mut position = curve(u);
+        position.y = position.y.max(0.12);
         let ahead = (position - before).normalize_or(outward);
         before = position;
         last = skeleton.add(position, Some(last));
@@ -131,6 +132,7 @@ fn add_twig(skeleton: &mut Skeleton, from: u32, direction: Vec3, length_m: f32, 
     for _ in 0..steps {
         direction = (direction - Vec3::Y * 0.22 * hang).normalize();
         position += direction * (length_m / steps as f32);
+        position.y = position.y.max(0.10);
         last = skeleton.add(position, Some(last));
     }
 }

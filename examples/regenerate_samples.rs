@@ -27,6 +27,16 @@ fn main() -> anyhow::Result<()> {
         let seconds = start.elapsed().as_secs_f64();
         let png = encode_png(&tree.image, Compression::Small);
         write_atomic(&folder.join(format!("{}.png", sample.name())), &png)?;
+        {
+            let mut webp = Vec::new();
+            image::codecs::webp::WebPEncoder::new_lossless(&mut webp).encode(
+                bytemuck::cast_slice(tree.image.pixels()),
+                tree.image.width(),
+                tree.image.height(),
+                image::ExtendedColorType::Rgba8,
+            )?;
+            say(&format!("webp {}", webp.len()));
+        }
         if given.is_some() {
             let labels = encode_grey_png(&tree.labels, Compression::Small);
             write_atomic(

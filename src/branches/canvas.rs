@@ -68,6 +68,8 @@ impl Canvas {
     }
 
     /// The picture: colours are means over the covered samples, alpha is their share.
+    ///
+    /// Colours keep six bits: among leaves nobody sees the step, and files lose a third.
     pub fn image(&self) -> Image<Straight> {
         self.reduced(|samples| {
             let mut sum = [0u32; 3];
@@ -83,7 +85,7 @@ impl Canvas {
             if covered == 0 {
                 return Straight([0; 4]);
             }
-            let [r, g, b] = sum.map(|sum| ((sum + covered / 2) / covered) as u8);
+            let [r, g, b] = sum.map(|sum| six_bits((sum + covered / 2) / covered));
             let all = (FINENESS * FINENESS) as u32;
             Straight([r, g, b, ((covered * 255 + all / 2) / all) as u8])
         })
@@ -122,6 +124,11 @@ impl Canvas {
     }
 }
 
+/// The nearest multiple of 4, at most 252.
+fn six_bits(channel: u32) -> u8 {
+    ((channel + 2) & !3).min(252) as u8
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -131,7 +138,7 @@ mod tests {
         let mut canvas = Canvas::new(1, 1);
         canvas.put(0, 0, 1.0, [90, 0, 0], Part::Crown);
         canvas.put(0, 0, 0.0, [0, 90, 0], Part::Trunk);
-        assert_eq!(canvas.image().at(0, 0), Straight([90, 0, 0, 28]));
+        assert_eq!(canvas.image().at(0, 0), Straight([92, 0, 0, 28]));
         assert_eq!(canvas.labels().at(0, 0), 0);
         for i in 1..6 {
             canvas.put(i % 3, i / 3, 0.0, [0, 90, 0], Part::Trunk);

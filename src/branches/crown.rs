@@ -75,7 +75,7 @@ pub fn crown_skeleton(
     colonise(&mut skeleton, &attractors, &reach, random, cancel)?;
     skeleton.relax(3);
     if crown.strands_m > 0.0 {
-        hang_strands(&mut skeleton, crown, random);
+        hang_strands(&mut skeleton, crown, 0.8 * crown.base * height_m, random);
     }
     Ok(skeleton)
 }
@@ -178,20 +178,20 @@ fn point_in_envelope(crown: &Crown, height_m: f32, scale: f32, random: &mut Rand
     }
 }
 
-/// Lets strands hang from the tips: they leave in the limb's direction and bend down.
-fn hang_strands(skeleton: &mut Skeleton, crown: &Crown, random: &mut Random) {
+/// Lets strands hang from the tips and limbs above `bare_m`: they leave in the limb's direction and bend down.
+fn hang_strands(skeleton: &mut Skeleton, crown: &Crown, bare_m: f32, random: &mut Random) {
     /// Distance between the nodes of a strand in metres.
     const STEP_M: f32 = 0.16;
     let children = skeleton.children();
     for (index, grown) in children.iter().enumerate() {
         let strands = match grown.len() {
             0 => 2,
-            1 if random.unit() < 0.30 => 1,
+            1 if random.unit() < 0.38 => 1,
             _ => 0,
         };
         for _ in 0..strands {
             let start = skeleton.nodes[index].position;
-            if start.y < 0.3 * crown.strands_m {
+            if start.y < bare_m {
                 continue;
             }
             let length_m = crown.strands_m * random.between(0.45, 1.25) as f32;

@@ -211,7 +211,7 @@ impl Bearer<'_> {
     /// A card lies along the limb, or leaves it at a slant, broad side to the viewer.
     fn card(&mut self, from: Vec3, limb: Vec3) {
         let tuft = self.foliage.shape == LeafShape::Tuft;
-        let loose = if tuft { 0.95 } else { 0.42 };
+        let loose = if tuft { 1.15 } else { 0.42 };
         let lift = if tuft { 0.35 } else { 0.0 };
         let along = (limb
             + random_in_ball(self.random) * loose

@@ -17,14 +17,14 @@ use crate::base::{Cancel, Cancelled};
 use glam::{Vec2, Vec3};
 
 /// Sunlight, linear, a little warm.
-const SUN: Vec3 = Vec3::new(2.35, 2.15, 1.80);
+const SUN: Vec3 = Vec3::new(2.70, 2.46, 2.02);
 /// Light of the whole sky, linear, a little blue.
 const SKY: Vec3 = Vec3::new(0.62, 0.72, 0.86);
 /// Light that has wandered through the crown: keeps the deepest shade from being black.
 const STRAY: Vec3 = Vec3::new(0.050, 0.060, 0.040);
 
 /// Share of colour that survives haze and lens: photographs of trees are never as green as paint.
-const COLOURFULNESS: f32 = 0.84;
+const COLOURFULNESS: f32 = 0.91;
 
 /// A tree ready to be painted.
 pub struct Subject<'a> {
@@ -250,23 +250,28 @@ fn paint_roots(canvas: &mut Canvas, view: &View, subject: &Subject<'_>, stem_m: 
     if stem_m < 0.09 {
         return;
     }
-    for spur in 0..6u32 {
-        let angle = spur as f32 * 1.13 + 0.4 * noise2(spur as f32 * 3.3, stem_m * 50.0, 77);
-        let out = Vec3::new(libm::cosf(angle), 0.0, libm::sinf(angle));
-        let reach = 2.0 + 0.5 * noise2(spur as f32 * 5.1, stem_m * 70.0, 78);
-        paint_piece(
-            canvas,
-            view,
-            subject,
-            &Piece {
-                from: out * stem_m * 0.45 + Vec3::Y * stem_m * 1.7,
-                to: out * stem_m * reach - Vec3::Y * stem_m * 0.15,
-                radius_m: (stem_m * 0.62, stem_m * 0.22),
+    for spur in 0..7u32 {
+        let chance = |salt: u32| noise2(spur as f32 * 5.13 + 0.4, stem_m * 50.0, salt);
+        let angle = spur as f32 * 0.93 + 0.4 * chance(77);
+        let out = Vec3::new(libm::cosf(angle), 0.0, libm::sinf(angle)) * stem_m;
+        let up = Vec3::Y * stem_m;
+        let reach = 1.65 + 0.45 * chance(78);
+        let points = [
+            (out * 0.42 + up * (2.5 + 0.6 * chance(79)), 0.50),
+            (out * 0.78 + up * 0.95, 0.36),
+            (out * reach - up * 0.12, 0.24),
+        ];
+        for pair in points.windows(2) {
+            let piece = Piece {
+                from: pair[0].0,
+                to: pair[1].0,
+                radius_m: (stem_m * pair[0].1, stem_m * pair[1].1),
                 path_m: spur as f32 * 0.7,
                 part: Part::Trunk,
                 salt: spur,
-            },
-        );
+            };
+            paint_piece(canvas, view, subject, &piece);
+        }
     }
 }
 
@@ -367,7 +372,7 @@ impl<'a> Wood<'a> {
         let sky = a.sky + (b.sky - a.sky) * t;
         // Sun flecks wander over shaded wood.
         let wander = noise2(place.x * 5.0 + around, along_m * 3.0, 55);
-        let fleck = 1.0 + (ramp(-0.3, 0.4, wander) - 0.6) * 3.0 * sun * (1.0 - sun);
+        let fleck = 1.0 + (ramp(-0.3, 0.4, wander) - 0.6) * 1.7 * sun * (1.0 - sun);
         let cosine = (normal.dot(TO_SUN) * 0.9 + 0.1).max(0.0);
         let foot = 0.55 + 0.45 * ramp(0.0, 0.05, place.y / self.subject.height_m);
         let light = SUN * (cosine * sun * fleck * 0.75)

@@ -52,8 +52,8 @@ macro_rules! sample {
 }
 
 static SAMPLES: [Sample; 13] = [
-    sample!("oak", OAK, 1),
-    sample!("oak_old", OAK, 2),
+    sample!("oak", OAK, 2),
+    sample!("linden", LINDEN, 1),
     sample!("birch", BIRCH, 1),
     sample!("poplar", POPLAR, 1),
     sample!("maple", MAPLE, 1),

@@ -83,7 +83,7 @@ impl Sprite {
     }
 }
 
-/// Texels from fine pixels: leaf where at least two fifths are leaf, with their mean grey.
+/// Texels from fine pixels: leaf where at least a third is leaf, with their mean grey.
 fn averaged(pixmap: &Pixmap) -> Vec<u8> {
     let mut texels = vec![0; LENGTH * WIDTH];
     for (index, texel) in texels.iter_mut().enumerate() {
@@ -98,7 +98,7 @@ fn averaged(pixmap: &Pixmap) -> Vec<u8> {
                 grey += u32::from(pixel.red());
             }
         }
-        if covered * 5 >= (FINENESS * FINENESS) as u32 * 2 {
+        if covered * 3 >= (FINENESS * FINENESS) as u32 {
             *texel = (grey / covered).clamp(1, 255) as u8;
         }
     }
@@ -231,14 +231,15 @@ impl Pen<'_> {
     }
 
     fn tuft(&mut self) -> f32 {
-        for needle in 0..21u32 {
-            let turn = ((needle * 8) % 21) as f32 / 10.0 - 1.0;
-            let long = 0.80 + 0.05 * ((needle * 5) % 5) as f32;
-            let grey = 88 + 14 * ((needle * 7) % 6) as u8;
-            let tip = (turn * long, long * (1.0 - 0.42 * turn * turn));
-            self.vein((0.0, 0.0), tip, 0.05, grey);
+        for needle in 0..19u32 {
+            let turn = ((needle * 8) % 19) as f32 / 9.0 - 1.0;
+            let long = 0.74 + 0.065 * ((needle * 5) % 5) as f32;
+            let grey = 74 + 17 * ((needle * 7) % 6) as u8;
+            let tip = (turn * long, long * (1.0 - 0.45 * turn * turn));
+            let root = 0.12 * ((needle * 3) % 4) as f32;
+            self.vein((turn * 0.05, root), tip, 0.042, grey);
         }
-        0.85
+        0.95
     }
 }
 

@@ -44,9 +44,9 @@ pub fn whorl_skeleton(habit: &Whorls, height_m: f32, random: &mut Random) -> Ske
     let stem = stem(&mut skeleton, height_m, random);
     let mut azimuth = random.between(0.0, 6.28) as f32;
     let mut y = habit.base * height_m;
-    while y < 0.985 * height_m {
+    while y < 0.97 * height_m {
         let t = (y / height_m - habit.base) / (1.0 - habit.base);
-        let boughs = (habit.boughs as f32 * (1.0 - 0.45 * t)) as u32;
+        let boughs = (habit.boughs as f32 * (1.0 - 0.6 * t)) as u32;
         let weak = random.between(0.86, 1.08) as f32;
         for bough in 0..boughs {
             azimuth += GOLDEN_ANGLE + random.between(-0.25, 0.25) as f32;
@@ -113,7 +113,7 @@ fn add_bough(
         }
         let left = if step % 2 == 0 { 1.0 } else { -1.0 };
         for hand in [left, -left * 0.8] {
-            let widest = habit.spread * length_m * (1.0 - u) + 0.10;
+            let widest = habit.spread * length_m * (1.0 - u) + 0.10f32.min(0.2 * length_m);
             let twig_m = widest.min(0.42 * length_m).min(u * length_m * 1.4)
                 * random.between(0.7, 1.2) as f32;
             let direction = ahead * 0.75 + side * hand + random_in_ball(random) * 0.22;

@@ -52,11 +52,11 @@ impl Bark {
 }
 
 fn furrows(around_m: f32, along_m: f32) -> f32 {
-    let wander = 0.05 * noise2(around_m * 5.0, along_m * 3.0, 11);
-    let ridge = noise2((around_m + wander) * 15.0, along_m * 2.4, 12);
-    let fine = noise2((around_m + wander) * 40.0, along_m * 7.0, 13);
-    let depth = ridge + 0.4 * fine;
-    0.50 + 0.70 * ramp(-0.75, 0.55, depth)
+    let wander = 0.06 * noise2(around_m * 5.0, along_m * 2.2, 11);
+    let deep = noise2((around_m + wander) * 17.0, along_m * 1.9, 12).abs();
+    let fine = noise2((around_m + wander) * 36.0, along_m * 5.5, 13).abs();
+    let ridge = ramp(0.0, 0.42, deep) * (0.6 + 0.4 * ramp(0.0, 0.3, fine));
+    0.46 + 0.78 * ridge
 }
 
 fn dashes(around_m: f32, along_m: f32) -> f32 {

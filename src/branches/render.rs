@@ -374,9 +374,9 @@ impl<'a> Wood<'a> {
         let wander = noise2(place.x * 5.0 + around, along_m * 3.0, 55);
         let fleck = 1.0 + (ramp(-0.3, 0.4, wander) - 0.6) * 1.7 * sun * (1.0 - sun);
         let cosine = (normal.dot(TO_SUN) * 0.9 + 0.1).max(0.0);
-        let foot = 0.55 + 0.45 * ramp(0.0, 0.05, place.y / self.subject.height_m);
-        let light = SUN * (cosine * sun * fleck * 0.75)
-            + SKY * (sky * (0.45 + 0.25 * normal.y + 0.3 * normal.z)) * foot
+        let foot = 0.6 + 0.4 * ramp(0.0, 0.05, place.y / self.subject.height_m);
+        let light = SUN * (cosine * sun * fleck * 0.8)
+            + SKY * (sky * (0.68 + 0.25 * normal.y + 0.4 * normal.z)) * foot
             + STRAY;
         bytes(shown(albedo * light * relief.clamp(0.55, 1.25)))
     }

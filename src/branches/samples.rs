@@ -21,6 +21,9 @@ use glam::Vec2;
 /// Height of the bundled pictures in pixels.
 pub const BUNDLED_HEIGHT_PX: u32 = 1024;
 
+/// A small height in pixels that `digests.txt` lists too, for quick tests.
+pub const SMALL_HEIGHT_PX: u32 = 128;
+
 /// One tree of the built-in library.
 #[derive(Debug, Clone, Copy)]
 pub struct Sample {
@@ -46,7 +49,7 @@ macro_rules! sample {
             name: $name,
             species: &species::$species,
             seed: Seed($seed),
-            bundled: include_bytes!(concat!("../../assets/samples/", $name, ".png")),
+            bundled: include_bytes!(concat!("../../assets/samples/", $name, ".webp")),
         }
     };
 }
@@ -122,7 +125,7 @@ impl Sample {
             bark: &species.bark,
             light: &light,
             height_m: high.y,
-            crown_base_m: crown_base(&leafage, species.stem_m),
+            crown_base_m: crown_base(species, &leafage),
         };
         paint(&mut canvas, &view, &subject, cancel)?;
         Ok(GrownTree {
@@ -168,14 +171,105 @@ fn bounds(skeleton: &Skeleton, leafage: &Leafage) -> (Vec2, Vec2) {
     )
 }
 
-/// Height in metres of the lowest foliage near the stem, but for a few stray leaves.
-fn crown_base(leafage: &Leafage, stem_m: f32) -> f32 {
+/// Height in metres of the lowest foliage near the stem, but for a few stray leaves; 0 for
+/// shrubs, whose stems are no trunk.
+fn crown_base(species: &Species, leafage: &Leafage) -> f32 {
+    if matches!(species.habit, Habit::Crown(crown) if crown.stems > 1) {
+        return 0.0;
+    }
     let mut heights: Vec<f32> = leafage
         .leaves
         .iter()
-        .filter(|leaf| leaf.base.x.abs() < 4.0 * stem_m + 0.4)
+        .filter(|leaf| leaf.base.x.abs() < 4.0 * species.stem_m + 0.4)
         .map(|leaf| leaf.base.y)
         .collect();
     heights.sort_by(f32::total_cmp);
     heights.get(heights.len() / 50).copied().unwrap_or(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::Digest;
+
+    /// Lines of `NAME HEIGHT_PX DIGEST`, written by `examples/regenerate_samples.rs`.
+    const DIGESTS: &str = include_str!("../../assets/samples/digests.txt");
+
+    fn sample(name: &str) -> &'static Sample {
+        samples()
+            .iter()
+            .find(|sample| sample.name() == name)
+            .unwrap()
+    }
+
+    fn line(name: &str, image: &Image<Straight>) -> String {
+        let digest = Digest::of(bytemuck::cast_slice(image.pixels()));
+        format!("{name} {} {digest}", image.height())
+    }
+
+    fn assert_listed(line: &str) {
+        assert!(
+            DIGESTS.lines().any(|listed| listed == line),
+            "{line} is not listed"
+        );
+    }
+
+    fn bundled(sample: &Sample) -> Image<Straight> {
+        let file = image::load_from_memory(sample.bundled())
+            .unwrap()
+            .into_rgba8();
+        let pixels = bytemuck::cast_slice(file.as_raw()).to_vec();
+        Image::from_pixels(file.width(), file.height(), pixels)
+    }
+
+    #[test]
+    fn every_bundled_picture_has_the_listed_pixels() {
+        for sample in samples() {
+            assert_listed(&line(sample.name(), &bundled(sample)));
+        }
+    }
+
+    #[test]
+    fn a_tree_grown_anew_is_the_bundled_one() {
+        let sapling = sample("sapling");
+        let grown = sapling.grow(BUNDLED_HEIGHT_PX, &Cancel::new()).unwrap();
+        assert_eq!(
+            line("sapling", &grown.image),
+            line("sapling", &bundled(sapling))
+        );
+    }
+
+    #[test]
+    fn small_pictures_have_the_listed_pixels() {
+        for name in ["fir", "robinia", "pine"] {
+            let grown = sample(name).grow(SMALL_HEIGHT_PX, &Cancel::new()).unwrap();
+            assert_listed(&line(name, &grown.image));
+        }
+    }
+
+    #[test]
+    fn labels_tell_a_trunk_below_a_crown() {
+        for (name, has_trunk) in [("pine", true), ("birch", true), ("shrub", false)] {
+            let tree = sample(name).grow(SMALL_HEIGHT_PX, &Cancel::new()).unwrap();
+            let labels = &tree.labels;
+            assert_eq!(labels.width(), tree.image.width());
+            assert!(
+                labels
+                    .pixels()
+                    .iter()
+                    .all(|label| [0, 128, 255].contains(label))
+            );
+            let foot = labels.row(labels.height() - 2);
+            assert_eq!(foot.contains(&128), has_trunk, "{name}");
+            assert!(labels.row(labels.height() / 4).contains(&255), "{name}");
+            assert!(!labels.row(labels.height() / 8).contains(&128), "{name}");
+        }
+    }
+
+    #[test]
+    fn a_raised_flag_stops_the_growth() {
+        let cancel = Cancel::new();
+        cancel.cancel();
+        assert_eq!(sample("oak").grow(64, &cancel), Err(Cancelled));
+    }
 }

@@ -264,9 +264,9 @@ pub const LINDEN: Species = Species {
     }),
     foliage: Foliage {
         shape: LeafShape::Round,
-        leaf_m: 0.15,
+        leaf_m: 0.135,
         phyllotaxis: Phyllotaxis::Rows,
-        twigs: 2.3,
+        twigs: 2.7,
         twig_m: 0.36,
         leaves: 7,
         bearing_tips: 5,
@@ -502,7 +502,7 @@ pub const SPRUCE: Species = Species {
     stem_m: 0.24,
     tip_m: 0.007,
     habit: Habit::Whorls(Whorls {
-        base: 0.085,
+        base: 0.115,
         outline: &[
             (0.0, 0.215),
             (0.08, 0.235),
@@ -534,8 +534,8 @@ pub const SPRUCE: Species = Species {
         bearing_tips: 30,
         droop: 0.25,
         tint: LeafTint {
-            main: [58, 82, 52],
-            other: [92, 114, 68],
+            main: [64, 88, 54],
+            other: [100, 120, 70],
             through: [96, 116, 52],
             share: 0.35,
             patchy: 0.35,

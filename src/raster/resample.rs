@@ -1,7 +1,9 @@
 //! Changing the size of a picture.
 
 use super::{Image, Premultiplied, Rect};
-use fast_image_resize as fir;
+use fast_image_resize::images::{TypedImage, TypedImageRef};
+use fast_image_resize::pixels::U8x4;
+use fast_image_resize::{self as fir};
 
 /// The part `crop` of `image`, resized to `width` × `height` pixels.
 ///
@@ -18,14 +20,15 @@ pub fn resized(
     height: u32,
 ) -> Image<Premultiplied> {
     let bug = "the crop is inside the image and no side is empty";
-    let source = fir::images::ImageRef::new(
+    // Typed images: the untyped ones compile the filters for all pixel formats into this crate,
+    // which takes minutes.
+    let source = TypedImageRef::<U8x4>::from_buffer(
         image.width(),
         image.height(),
         bytemuck::cast_slice(image.pixels()),
-        fir::PixelType::U8x4,
     )
     .expect(bug);
-    let mut target = fir::images::Image::new(width, height, fir::PixelType::U8x4);
+    let mut target = TypedImage::<U8x4>::new(width, height);
     let options = fir::ResizeOptions::new()
         .resize_alg(fir::ResizeAlg::Convolution(fir::FilterType::CatmullRom))
         .use_alpha(false)
@@ -36,15 +39,15 @@ pub fn resized(
             f64::from(crop.height),
         );
     fir::Resizer::new()
-        .resize(&source, &mut target, &options)
+        .resize_typed(&source, &mut target, &options)
         .expect(bug);
     let pixels = target
-        .buffer()
-        .chunks_exact(4)
-        .map(|p| {
+        .pixels()
+        .iter()
+        .map(|pixel| {
+            let [r, g, b, alpha] = pixel.0;
             // A filter with negative lobes may leave a colour above its alpha.
-            let alpha = p[3];
-            Premultiplied([p[0].min(alpha), p[1].min(alpha), p[2].min(alpha), alpha])
+            Premultiplied([r.min(alpha), g.min(alpha), b.min(alpha), alpha])
         })
         .collect();
     Image::from_pixels(width, height, pixels)

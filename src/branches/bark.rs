@@ -53,10 +53,10 @@ impl Bark {
 
 fn furrows(around_m: f32, along_m: f32) -> f32 {
     let wander = 0.06 * noise2(around_m * 5.0, along_m * 2.2, 11);
-    let deep = noise2((around_m + wander) * 17.0, along_m * 1.9, 12).abs();
-    let fine = noise2((around_m + wander) * 36.0, along_m * 5.5, 13).abs();
-    let ridge = ramp(0.0, 0.42, deep) * (0.6 + 0.4 * ramp(0.0, 0.3, fine));
-    0.46 + 0.78 * ridge
+    let deep = noise2((around_m + wander) * 21.0, along_m * 3.1, 12).abs();
+    let fine = noise2((around_m + wander) * 44.0, along_m * 8.0, 13).abs();
+    let ridge = ramp(0.0, 0.24, deep) * (0.55 + 0.45 * ramp(0.0, 0.25, fine));
+    0.60 + 0.55 * ridge
 }
 
 fn dashes(around_m: f32, along_m: f32) -> f32 {

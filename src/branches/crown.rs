@@ -6,7 +6,7 @@
 //! the shading later shows as bright tops above dark undersides.
 
 use super::noise::noise3;
-use super::skeleton::{Reach, Skeleton, colonise, random_in_ball};
+use super::skeleton::{GOLDEN_ANGLE, Reach, Skeleton, colonise, random_in_ball};
 use crate::base::{Cancel, Cancelled, Random};
 use glam::Vec3;
 
@@ -82,14 +82,14 @@ pub fn crown_skeleton(
 
 /// The stems from the ground to where the crown takes over.
 fn stems(skeleton: &mut Skeleton, crown: &Crown, height_m: f32, random: &mut Random) {
-    let root = skeleton.add(Vec3::ZERO, None);
+    let root = skeleton.grow(Vec3::ZERO, None);
     let step_m = 0.55 * crown.spacing_m;
     for stem in 0..crown.stems {
         let salt = random.bits() as u32;
         let lean = match crown.stems {
             1 => random_in_ball(random) * 0.03,
             _ => {
-                let angle = stem as f32 * 2.4 + random.unit() as f32;
+                let angle = stem as f32 * GOLDEN_ANGLE + random.unit() as f32;
                 Vec3::new(libm::cosf(angle), 0.0, libm::sinf(angle))
                     * random.between(0.2, 0.9) as f32
             }
@@ -104,7 +104,7 @@ fn stems(skeleton: &mut Skeleton, crown: &Crown, height_m: f32, random: &mut Ran
                 (direction * 3.0 + Vec3::Y * 0.7 + Vec3::new(sway(0.0), 0.0, sway(7.0)) * 1.3)
                     .normalize();
             position += direction * step_m;
-            last = skeleton.add(position, Some(last));
+            last = skeleton.grow(position, Some(last));
         }
     }
 }
@@ -208,7 +208,7 @@ fn hang_strands(skeleton: &mut Skeleton, crown: &Crown, bare_m: f32, random: &mu
                 if position.y < 0.25 {
                     break;
                 }
-                last = skeleton.add(position, Some(last));
+                last = skeleton.grow(position, Some(last));
             }
         }
     }

@@ -8,10 +8,11 @@
 
 use super::limbs::Girth;
 use super::noise::noise3;
-use super::skeleton::{Skeleton, random_in_ball};
+use super::skeleton::{GOLDEN_ANGLE, Skeleton, random_in_ball};
 use super::sprite::LeafShape;
 use crate::base::Random;
 use glam::Vec3;
+use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
 /// How leaves follow each other along a twig.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -175,20 +176,20 @@ impl Bearer<'_> {
         let long = self.foliage.twig_m * self.random.between(0.5, 1.3) as f32;
         let to = from + direction * long;
         self.into.twigs.push(Twig { from, to });
-        let roll = self.random.between(0.0, 6.28) as f32;
+        let roll = self.random.between(0.0, 1.0) as f32 * TAU;
         for leaf in 0..self.foliage.leaves {
             let share = (leaf as f32 + 0.7) / self.foliage.leaves as f32;
             let (angle, share) = match self.foliage.phyllotaxis {
                 Phyllotaxis::Opposite => {
                     let pair = (leaf / 2) as f32;
-                    let half = (leaf % 2) as f32 * 3.1416;
+                    let half = (leaf % 2) as f32 * PI;
                     (
-                        pair * 1.5708 + half,
+                        pair * FRAC_PI_2 + half,
                         (pair * 2.0 + 1.4) / self.foliage.leaves as f32,
                     )
                 }
-                Phyllotaxis::Rows => ((leaf % 2) as f32 * 3.1416, share),
-                _ => (leaf as f32 * 2.399_963, share),
+                Phyllotaxis::Rows => ((leaf % 2) as f32 * PI, share),
+                _ => (leaf as f32 * GOLDEN_ANGLE, share),
             };
             self.leaf(from.lerp(to, share.min(1.0)), direction, roll + angle);
         }

@@ -64,10 +64,10 @@ mod tests {
     #[test]
     fn a_fork_follows_the_pipe_model() {
         let mut skeleton = Skeleton::default();
-        let root = skeleton.add(Vec3::ZERO, None);
-        let fork = skeleton.add(Vec3::Y * 1e-3, Some(root));
-        skeleton.add(Vec3::new(1e-3, 2e-3, 0.0), Some(fork));
-        skeleton.add(Vec3::new(-1e-3, 2e-3, 0.0), Some(fork));
+        let root = skeleton.grow(Vec3::ZERO, None);
+        let fork = skeleton.grow(Vec3::Y * 1e-3, Some(root));
+        skeleton.grow(Vec3::new(1e-3, 2e-3, 0.0), Some(fork));
+        skeleton.grow(Vec3::new(-1e-3, 2e-3, 0.0), Some(fork));
         let girth = girth(&skeleton, 0.2, 0.1);
         assert_eq!(girth.tips, [2, 2, 1, 1]);
         assert!((girth.radius_m[0] - 0.2).abs() < 1e-6);

@@ -24,5 +24,6 @@ pub mod skeleton;
 pub mod species;
 pub mod sprite;
 pub mod whorls;
+mod wood;
 
 pub use samples::{GrownTree, Sample, samples};

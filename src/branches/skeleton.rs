@@ -12,6 +12,9 @@
 use crate::base::{Cancel, Cancelled, Random};
 use glam::Vec3;
 
+/// The golden angle in radians: what turns by it never stands above itself.
+pub(super) const GOLDEN_ANGLE: f32 = 2.399_963_2;
+
 /// A point of the skeleton.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Node {
@@ -47,18 +50,11 @@ pub struct Reach {
 }
 
 impl Skeleton {
-    /// Adds a node and returns its index.
-    pub fn add(&mut self, position: Vec3, parent: Option<u32>) -> u32 {
+    /// Lets a node grow from `parent`, an earlier one, and returns its index.
+    pub fn grow(&mut self, position: Vec3, parent: Option<u32>) -> u32 {
         debug_assert!(parent.is_none_or(|p| (p as usize) < self.nodes.len()));
         self.nodes.push(Node { position, parent });
         (self.nodes.len() - 1) as u32
-    }
-
-    /// Adds the points of a curve after `parent`; returns the index of the last.
-    pub fn add_curve(&mut self, parent: u32, points: impl IntoIterator<Item = Vec3>) -> u32 {
-        points
-            .into_iter()
-            .fold(parent, |last, point| self.add(point, Some(last)))
     }
 
     /// For each node the nodes that grew from it, in order.
@@ -185,7 +181,7 @@ fn grow_once(
             .iter()
             .all(|&old: &Vec3| old.distance(position) > apart)
         {
-            skeleton.add(position, Some(index as u32));
+            skeleton.grow(position, Some(index as u32));
             tips[index].push(position);
             tips.push(Vec::new());
         }
@@ -222,7 +218,7 @@ mod tests {
             crook: 0.1,
         };
         let mut skeleton = Skeleton::default();
-        skeleton.add(Vec3::ZERO, None);
+        skeleton.grow(Vec3::ZERO, None);
         colonise(&mut skeleton, &points, &reach, &mut random, &Cancel::new()).unwrap();
         for point in points {
             let nearest = skeleton
@@ -249,8 +245,9 @@ mod tests {
     #[test]
     fn relaxing_keeps_root_and_tips() {
         let mut skeleton = Skeleton::default();
-        let root = skeleton.add(Vec3::ZERO, None);
-        skeleton.add_curve(root, [Vec3::new(1.0, 1.0, 0.0), Vec3::new(0.0, 2.0, 0.0)]);
+        let root = skeleton.grow(Vec3::ZERO, None);
+        let knee = skeleton.grow(Vec3::new(1.0, 1.0, 0.0), Some(root));
+        skeleton.grow(Vec3::new(0.0, 2.0, 0.0), Some(knee));
         skeleton.relax(1);
         assert_eq!(skeleton.nodes[0].position, Vec3::ZERO);
         assert_eq!(skeleton.nodes[1].position, Vec3::new(0.5, 1.0, 0.0));

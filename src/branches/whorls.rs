@@ -6,7 +6,7 @@
 //! rise near the top, sink with age and lift their tips.
 
 use super::crown::outline_radius;
-use super::skeleton::{Skeleton, random_in_ball};
+use super::skeleton::{GOLDEN_ANGLE, Skeleton, random_in_ball};
 use crate::base::Random;
 use glam::Vec3;
 
@@ -35,14 +35,11 @@ pub struct Whorls {
     pub twig_step_m: f32,
 }
 
-/// The golden angle in radians: successive boughs never stand above each other.
-const GOLDEN_ANGLE: f32 = 2.399_963_2;
-
 /// Lays out the skeleton of a conifer of `height_m`.
 pub fn whorl_skeleton(habit: &Whorls, height_m: f32, random: &mut Random) -> Skeleton {
     let mut skeleton = Skeleton::default();
     let stem = stem(&mut skeleton, height_m, random);
-    let mut azimuth = random.between(0.0, 6.28) as f32;
+    let mut azimuth = random.between(0.0, 1.0) as f32 * std::f32::consts::TAU;
     let mut y = habit.base * height_m;
     while y < 0.97 * height_m {
         let t = (y / height_m - habit.base) / (1.0 - habit.base);
@@ -69,11 +66,11 @@ fn stem(skeleton: &mut Skeleton, height_m: f32, random: &mut Random) -> Vec<u32>
     const STEP_M: f32 = 0.12;
     let lean = random_in_ball(random) * 0.015;
     let steps = (height_m / STEP_M) as u32;
-    let mut nodes = vec![skeleton.add(Vec3::ZERO, None)];
+    let mut nodes = vec![skeleton.grow(Vec3::ZERO, None)];
     for step in 1..=steps {
         let y = height_m * step as f32 / steps as f32;
         let parent = nodes.last().copied();
-        nodes.push(skeleton.add(Vec3::new(lean.x * y, y, lean.z * y), parent));
+        nodes.push(skeleton.grow(Vec3::new(lean.x * y, y, lean.z * y), parent));
     }
     nodes
 }
@@ -107,7 +104,7 @@ fn add_bough(
         position.y = position.y.max(0.12);
         let ahead = (position - before).normalize_or(outward);
         before = position;
-        last = skeleton.add(position, Some(last));
+        last = skeleton.grow(position, Some(last));
         if u < 0.12 {
             continue;
         }
@@ -133,6 +130,6 @@ fn add_twig(skeleton: &mut Skeleton, from: u32, direction: Vec3, length_m: f32, 
         direction = (direction - Vec3::Y * 0.22 * hang).normalize();
         position += direction * (length_m / steps as f32);
         position.y = position.y.max(0.10);
-        last = skeleton.add(position, Some(last));
+        last = skeleton.grow(position, Some(last));
     }
 }

@@ -96,7 +96,8 @@ fn stems(skeleton: &mut Skeleton, crown: &Crown, height_m: f32, random: &mut Ran
         };
         let mut direction = (Vec3::Y + lean).normalize();
         let mut position = Vec3::ZERO;
-        let reach_m = crown.leader * height_m * (1.0 - 0.25 * (stem as f32 * 0.37) % 0.25);
+        // Stems of a shrub are of unequal length; a single one is as long as it should be.
+        let reach_m = crown.leader * height_m * (1.0 - 0.25 * (stem as f32 * 0.37).fract());
         let mut last = root;
         while position.y < reach_m {
             let sway = |axis: f32| noise3(0.35 * position.y, axis, 0.0, salt) * 0.5 * crown.crook;
@@ -115,12 +116,14 @@ struct Lobe {
     radius_m: f32,
 }
 
+/// The points that want leaves: the lobes', and some loose ones anywhere in the envelope.
 fn attractors(crown: &Crown, height_m: f32, random: &mut Random) -> Vec<Vec3> {
     let lobes = lobes(crown, height_m, random);
     let salt = random.bits() as u32;
     let mut points = Vec::new();
     let volume = crown.spacing_m * crown.spacing_m * crown.spacing_m;
     for lobe in &lobes {
+        // 4.19: volume of the unit ball.
         let ball = 4.19 * lobe.radius_m * lobe.radius_m * lobe.radius_m * crown.flatness;
         for _ in 0..(ball / volume) as usize {
             let offset = random_in_ball(random) * Vec3::new(1.0, crown.flatness, 1.0);

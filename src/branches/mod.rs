@@ -2,10 +2,10 @@
 //!
 //! A species table gives the numbers; a skeleton grows by space colonisation or by rule; the pipe
 //! model gives its limbs thickness; phyllotaxis sets the leaves; a painter makes a billboard with
-//! exact labels. The built-in sample library is made here, see [`samples`].
+//! exact labels. The built-in sample library is made here, see [`mod@samples`].
 //!
 //! Everything is a function of species and seed, bit for bit on every machine: no transcendental
-//! function of the platform, no threads, no clock.
+//! function of the platform (`libm` and roots instead), no threads, no clock.
 //!
 //! Frame: metres, the foot of the stem at the origin, x right, y up, z towards the viewer.
 //!

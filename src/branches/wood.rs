@@ -60,6 +60,7 @@ fn paint_roots(canvas: &mut Canvas, view: &View, subject: &Subject<'_>, stem_m: 
     if stem_m < 0.09 {
         return;
     }
+    // Radii, heights and reaches in stem radii; three points make a spur's hollow curve.
     for spur in 0..7u32 {
         let chance = |salt: u32| noise2(spur as f32 * 5.13 + 0.4, stem_m * 50.0, salt);
         let angle = spur as f32 * 0.93 + 0.4 * chance(77);

@@ -12,4 +12,6 @@ pub mod contour;
 
 pub mod segment;
 
+pub mod branches;
+
 pub mod variation;

@@ -13,3 +13,5 @@ pub mod contour;
 pub mod segment;
 
 pub mod variation;
+
+pub mod cli;

@@ -15,3 +15,5 @@ pub mod segment;
 pub mod branches;
 
 pub mod variation;
+
+pub mod cli;

@@ -1,5 +1,5 @@
-//! The `boscage` program: parses the command line and runs the command.
+//! The `boscage` program: all of it is in the library, so that tests can reach it.
 
 fn main() -> std::process::ExitCode {
-    std::process::ExitCode::SUCCESS
+    boscage::cli::run()
 }

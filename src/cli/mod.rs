@@ -1,0 +1,132 @@
+//! The command line: one file a command, and the frame that all commands stand in.
+//!
+//! A command is a `clap` struct of flags *as typed* that implements [`Job`]. Its `run` first makes
+//! a *checked* job of the flags (paths exist, sizes are sensible, nothing would be overwritten) and
+//! then works; so nothing is begun that cannot be finished. To add a command: write its file, list
+//! it below with `mod`, give it a variant of [`Command`] and an arm in [`Command::job`].
+//!
+//! The frame promises, for every command alike: exit codes and one-line errors ([`Failure`]),
+//! progress ([`reporter`]), cancellation by SIGINT and SIGTERM, threads, shards and what happens to
+//! files that are there already ([`Output`]).
+//!
+//! Imports everything; nothing imports it.
+
+mod clock;
+mod failure;
+mod input;
+mod items;
+mod options;
+mod output;
+mod reporter;
+mod segment;
+mod session;
+mod stamp;
+mod usage;
+
+use crate::base::{Cancel, Progress, with_threads};
+use clap::{CommandFactory as _, Parser, Subcommand};
+use clock::StageClock;
+use failure::Failure;
+use options::CommonOptions;
+use output::Output;
+use session::Session;
+use std::io::{IsTerminal as _, Write as _};
+use std::process::ExitCode;
+
+/// New trees from a few tree pictures.
+#[derive(Debug, Parser)]
+#[command(name = "boscage", version, max_term_width = 100)]
+struct Cli {
+    #[command(flatten)]
+    options: CommonOptions,
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+/// What can be asked for.
+#[derive(Debug, Subcommand)]
+enum Command {
+    Segment(segment::Flags),
+}
+
+impl Command {
+    fn job(&self) -> &dyn Job {
+        match self {
+            Self::Segment(flags) => flags,
+        }
+    }
+}
+
+/// The stages of a command that make up its progress, each with its share of the time (any unit).
+type Stages = &'static [(&'static str, f64)];
+
+/// A command's flags, as typed.
+trait Job: Sync {
+    /// The outermost stages that `run` goes through, in order; the percentages that farms read are
+    /// made of them. Stages inside these are not listed.
+    fn stages(&self) -> Stages;
+
+    /// Checks the flags, then does the work.
+    fn run(&self, session: &Session<'_>) -> Result<(), Failure>;
+}
+
+/// Runs the program on the arguments of this process.
+///
+/// Exit codes: 0 done, 1 the environment failed, 2 bad usage or bad input, 3 cancelled.
+pub fn run() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => return usage::answered(&error),
+    };
+    let Some(command) = cli.command else {
+        return without_command();
+    };
+    let outcome = cli
+        .options
+        .check()
+        .and_then(|()| run_job(&cli.options, command.job()));
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            reporter::print_failure(&failure);
+            failure.exit_code()
+        }
+    }
+}
+
+/// Runs `job` in threads of its own, listening to signals and telling of progress.
+fn run_job(options: &CommonOptions, job: &dyn Job) -> Result<(), Failure> {
+    let cancel = Cancel::new();
+    let raised = cancel.clone();
+    ctrlc::set_handler(move || raised.cancel())
+        .map_err(|error| Failure::Environment(format!("signals cannot be handled: {error}")))?;
+    let style = options.progress.resolved(std::io::stderr().is_terminal());
+    let reporter = reporter::new(style, job.stages());
+    let clock = StageClock::new(reporter.as_ref());
+    let session = Session {
+        options,
+        progress: Progress::to(&clock),
+        cancel: &cancel,
+        output: Output::new(options.policy()),
+        clock: &clock,
+    };
+    let outcome = with_threads(options.threads.map(usize::from), || job.run(&session))
+        .map_err(|error| Failure::Environment(format!("threads cannot be started: {error}")))
+        .and_then(|outcome| outcome);
+    reporter.finish(outcome.as_ref().err());
+    outcome
+}
+
+/// `boscage` alone opens the studio, once there is one.
+fn without_command() -> ExitCode {
+    // A closed stdout changes nothing about the answer.
+    let help = Cli::command().render_help();
+    let _ = write!(std::io::stdout(), "{help}");
+    let failure = Failure::BadInput(
+        "the studio is not part of this version; name a command, for example: \
+         boscage segment oak.png --out labels"
+            .to_owned(),
+    );
+    reporter::print_failure(&failure);
+    failure.exit_code()
+}

@@ -1,0 +1,170 @@
+//! The options that all commands share.
+
+use super::failure::Failure;
+use super::output::Policy;
+use clap::{Args, ValueEnum};
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+/// Options of every command.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Options of all commands")]
+pub(super) struct CommonOptions {
+    /// Where results go: a folder or a file, as the command says; folders are made
+    #[arg(long, global = true, value_name = "PATH")]
+    pub(super) out: Option<PathBuf>,
+    /// Replace files that are there already
+    #[arg(long, global = true)]
+    pub(super) overwrite: bool,
+    /// Keep files that are there and were made from the same inputs with the same settings
+    #[arg(long, global = true)]
+    pub(super) resume: bool,
+    /// Same inputs, settings and seed: same files, to the bit
+    #[arg(long, global = true, default_value_t = 0, value_name = "U64")]
+    pub(super) seed: u64,
+    /// Threads at work [default: one for each core]
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(super) threads: Option<u16>,
+    /// Make only items I, I+N, I+2N … of the job
+    #[arg(long, global = true, default_value_t, value_name = "I/N")]
+    pub(super) shard: Shard,
+    /// Print one JSON object on stdout and nothing else
+    #[arg(long, global = true)]
+    pub(super) json: bool,
+    /// How progress is shown
+    #[arg(long, global = true, value_enum, default_value_t, value_name = "STYLE")]
+    pub(super) progress: ProgressStyle,
+}
+
+impl CommonOptions {
+    /// Checks what options mean together.
+    pub(super) fn check(&self) -> Result<(), Failure> {
+        let clash = |options: &str, reason: &str| Err(Failure::of(options, reason));
+        if self.overwrite && self.resume {
+            return clash("--overwrite and --resume", "only one of them can be meant");
+        }
+        if self.json && self.progress == ProgressStyle::Openjd {
+            return clash(
+                "--json and --progress openjd",
+                "both want stdout for themselves",
+            );
+        }
+        Ok(())
+    }
+
+    /// What happens to outputs that exist.
+    pub(super) fn policy(&self) -> Policy {
+        match (self.overwrite, self.resume) {
+            (true, _) => Policy::Overwrite,
+            (false, true) => Policy::Resume,
+            (false, false) => Policy::Refuse,
+        }
+    }
+
+    /// The value of `--out`.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] when it is missing.
+    pub(super) fn out(&self) -> Result<&Path, Failure> {
+        match &self.out {
+            Some(path) if !path.as_os_str().is_empty() => Ok(path),
+            _ => Err(Failure::of("--out PATH", "is needed by this command")),
+        }
+    }
+}
+
+/// How progress is shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub(super) enum ProgressStyle {
+    /// A bar on a terminal, nothing otherwise
+    #[default]
+    Auto,
+    /// A bar on stderr
+    Bar,
+    /// Lines {"stage":…,"done":…,"total":…} on stderr
+    Json,
+    /// Lines of Open Job Description on stdout
+    Openjd,
+    /// Nothing
+    None,
+}
+
+impl ProgressStyle {
+    /// The style to use, which is never `Auto`; a bar needs a terminal.
+    pub(super) fn resolved(self, on_terminal: bool) -> Self {
+        match self {
+            Self::Auto | Self::Bar if on_terminal => Self::Bar,
+            Self::Auto | Self::Bar => Self::None,
+            other => other,
+        }
+    }
+}
+
+/// The part of a job that this process does: items `index`, `index + count`, ….
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Shard {
+    index: u64,
+    count: u64,
+}
+
+impl Shard {
+    /// Whether item `index` of the job belongs to this part.
+    pub(super) fn contains(self, index: u64) -> bool {
+        index % self.count == self.index
+    }
+}
+
+impl Default for Shard {
+    fn default() -> Self {
+        Self { index: 0, count: 1 }
+    }
+}
+
+impl std::fmt::Display for Shard {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}/{}", self.index, self.count)
+    }
+}
+
+impl FromStr for Shard {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let form = || "expected I/N, two whole numbers, such as 0/4".to_owned();
+        let (index, count) = text.split_once('/').ok_or_else(form)?;
+        let number = |digits: &str| {
+            let plain = digits.bytes().all(|b| b.is_ascii_digit());
+            plain.then(|| digits.parse::<u64>().ok()).flatten()
+        };
+        let index = number(index).ok_or_else(form)?;
+        let count = number(count).ok_or_else(form)?;
+        if index >= count {
+            return Err(format!("part {index} of {count} does not exist"));
+        }
+        Ok(Self { index, count })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shards_divide_a_job_without_gap_or_overlap() {
+        let shards: Vec<Shard> = ["0/3", "1/3", "2/3"].map(|s| s.parse().unwrap()).to_vec();
+        for item in 0..20 {
+            let owners = shards.iter().filter(|shard| shard.contains(item)).count();
+            assert_eq!(owners, 1);
+        }
+        assert!(shards[1].contains(4));
+    }
+
+    #[test]
+    fn shards_that_do_not_exist_are_refused() {
+        for text in [
+            "3/3", "0/0", "1", "-1/2", "+0/2", "a/b", "0/", "/1", "0/1/2",
+        ] {
+            assert!(text.parse::<Shard>().is_err(), "{text}");
+        }
+    }
+}

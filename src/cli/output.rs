@@ -1,0 +1,142 @@
+//! What happens to files that are there already, in one place for all commands.
+//!
+//! By default nothing is replaced. With `--overwrite` everything is. With `--resume` a file stays
+//! when it was made by the same version from the same inputs and settings and is whole; all others
+//! are made again. What a file was made from stands in the file itself (see [`super::stamp`]), so
+//! there is no record beside it that could be lost, go stale or be fought over by shards.
+
+use super::failure::Failure;
+use super::stamp;
+use crate::base::{Digest, Hasher, read_limited, write_atomic};
+use std::path::Path;
+
+/// What to do when an output exists.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Policy {
+    /// Fail before the work begins.
+    Refuse,
+    /// Replace it.
+    Overwrite,
+    /// Keep it if it is what would be made, else replace it.
+    Resume,
+}
+
+/// Largest file that is read to see whether it can stay; a larger one is made again.
+const LARGEST_KEPT_BYTES: u64 = 1 << 32;
+
+/// Writes files under a [`Policy`].
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Output {
+    policy: Policy,
+}
+
+impl Output {
+    /// An output with this policy.
+    pub(super) fn new(policy: Policy) -> Self {
+        Self { policy }
+    }
+
+    /// Fails when one of `paths` may not be written because it exists; to be called with all paths
+    /// that are known, before the work.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] naming the first such file.
+    pub(super) fn check<P: AsRef<Path>>(
+        &self,
+        paths: impl IntoIterator<Item = P>,
+    ) -> Result<(), Failure> {
+        let mut paths = paths.into_iter();
+        let refused = paths.find(|path| {
+            let path = path.as_ref();
+            path.is_dir() || (self.policy == Policy::Refuse && path.symlink_metadata().is_ok())
+        });
+        match refused {
+            None => Ok(()),
+            Some(path) if path.as_ref().is_dir() => {
+                Err(Failure::of(path.as_ref().display(), "is a folder"))
+            }
+            Some(path) => Err(Failure::of(
+                path.as_ref().display(),
+                "exists already; give --overwrite to replace it or --resume to keep what is done",
+            )),
+        }
+    }
+
+    /// Whether `path` can stay: `--resume` was given, and the file is whole and was made by
+    /// [`Output::write_item`] with this `recipe`.
+    pub(super) fn is_ready(&self, path: &Path, recipe: Digest) -> bool {
+        self.policy == Policy::Resume
+            && read_limited(path, LARGEST_KEPT_BYTES)
+                .is_ok_and(|bytes| stamp::is_intact(&bytes, recipe))
+    }
+
+    /// Writes an item of a job, atomically; a PNG file carries its `recipe`, see [`recipe`].
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] when the file exists and may not be replaced, or when the path cannot
+    /// be written; [`Failure::Environment`] when the disk fails.
+    pub(super) fn write_item(
+        &self,
+        path: &Path,
+        bytes: Vec<u8>,
+        recipe: Digest,
+    ) -> Result<(), Failure> {
+        self.write(path, &stamp::stamped(bytes, recipe))
+    }
+
+    /// Writes a file that is made anew by every run (sheets, lists), atomically.
+    ///
+    /// # Errors
+    /// As [`Output::write_item`].
+    pub(super) fn write(&self, path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+        self.check([path])?;
+        Ok(write_atomic(path, bytes)?)
+    }
+}
+
+/// Begins the digest of all that goes into an item: add the digests of the inputs and all settings
+/// with [`Hasher::with`]. `command` keeps commands apart; the version is part of it.
+pub(super) fn recipe(command: &str) -> Hasher {
+    Hasher::new("boscage output")
+        .with(env!("CARGO_PKG_VERSION").as_bytes())
+        .with(command.as_bytes())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::raster::{Compression, Image, encode_grey_png};
+    use std::fs;
+
+    fn png() -> Vec<u8> {
+        encode_grey_png(&Image::filled(3, 3, 9u8), Compression::Fast)
+    }
+
+    #[test]
+    fn what_exists_is_refused_replaced_or_kept() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        let made = Digest::of(b"one");
+        let refuse = Output::new(Policy::Refuse);
+        refuse.write_item(&path, png(), made).unwrap();
+        assert!(refuse.write_item(&path, png(), made).is_err());
+        assert!(refuse.check([&path]).is_err());
+        assert!(!refuse.is_ready(&path, made));
+        let resume = Output::new(Policy::Resume);
+        assert!(resume.is_ready(&path, made));
+        assert!(!resume.is_ready(&path, Digest::of(b"two")));
+        Output::new(Policy::Overwrite).write(&path, b"x").unwrap();
+        assert!(!resume.is_ready(&path, made));
+        resume.write_item(&path, png(), made).unwrap();
+        assert!(resume.is_ready(&path, made));
+    }
+
+    #[test]
+    fn a_folder_in_the_place_of_a_file_is_never_written_to() {
+        let folder = tempfile::tempdir().unwrap();
+        let output = Output::new(Policy::Overwrite);
+        assert!(output.check([folder.path()]).is_err());
+        assert!(output.write(folder.path(), b"x").is_err());
+        assert!(fs::read_dir(folder.path()).unwrap().next().is_none());
+    }
+}

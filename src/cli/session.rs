@@ -1,0 +1,44 @@
+//! What a command is given: the common options, and where to tell, stop, write and print.
+
+use super::clock::{Seconds, StageClock};
+use super::failure::Failure;
+use super::options::CommonOptions;
+use super::output::Output;
+use crate::base::{Cancel, Progress};
+use std::io::Write as _;
+
+/// The surroundings of one command. Its work runs inside the thread pool already.
+pub(super) struct Session<'a> {
+    /// The options of all commands, checked.
+    pub(super) options: &'a CommonOptions,
+    /// Where algorithms tell of their stages, and where warnings go.
+    pub(super) progress: Progress<'a>,
+    /// Raised by SIGINT and SIGTERM.
+    pub(super) cancel: &'a Cancel,
+    /// Where files are written.
+    pub(super) output: Output,
+    pub(super) clock: &'a StageClock<'a>,
+}
+
+impl Session<'_> {
+    /// Seconds for each stage so far, for `"seconds"` in JSON.
+    pub(super) fn seconds(&self) -> Seconds {
+        self.clock.seconds()
+    }
+
+    /// Prints the answer as one line of JSON when `--json` was given; called once, at the end.
+    ///
+    /// # Errors
+    /// [`Failure::Environment`] when stdout is closed or full.
+    pub(super) fn print_json(
+        &self,
+        answer: impl FnOnce() -> serde_json::Value,
+    ) -> Result<(), Failure> {
+        if !self.options.json {
+            return Ok(());
+        }
+        let line = answer().to_string();
+        writeln!(std::io::stdout(), "{line}")
+            .map_err(|error| Failure::Environment(format!("stdout: cannot be written: {error}")))
+    }
+}

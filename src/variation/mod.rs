@@ -9,10 +9,13 @@ mod distortion;
 mod exemplar;
 mod mean_value;
 mod normalize;
+mod sampling;
+mod synthesis;
 mod warp;
 
 pub use distortion::Distortion;
 pub use exemplar::{Exemplar, ExemplarError, ExemplarSettings, Outlined, Shape};
 pub use mean_value::{Cage, CageError, coordinates, mapped_exactly};
 pub use normalize::{Normalized, Placement, normalized};
+pub use synthesis::{Layout, Source, Variation, synthesized};
 pub use warp::{Warp, WarpPrecision};

@@ -82,14 +82,29 @@ pub fn outlines(mask: &Mask) -> Outlines {
 
 /// The mask of all points inside the closed `contour`, shifted by `offset`, on a canvas of
 /// `width` × `height`: the contour drawn, and everything that a flood from outside cannot reach
-/// (TV §5.1).
+/// (TV §5.1). The contour may reach beyond the canvas.
 pub fn filled(contour: &[Point], offset: Point, width: u32, height: u32) -> Mask {
-    let mut barrier = Image::filled(width, height, false);
+    // The flood needs a closed line and a way round it.
+    let beyond = contour
+        .iter()
+        .map(|&point| point + offset)
+        .map(|p| {
+            (-p).max(p - Point::new(f64::from(width), f64::from(height)))
+                .max_element()
+        })
+        .fold(0.0, f64::max);
+    let margin = beyond.ceil().min(MOST_BEYOND_PX) as u32 + 2;
+    let shift = offset + f64::from(margin);
+    let mut barrier = Image::filled(width + 2 * margin, height + 2 * margin, false);
     for (a, b) in contour.iter().zip(contour.iter().cycle().skip(1)) {
-        draw_line(&mut barrier, *a + offset, *b + offset);
+        draw_line(&mut barrier, *a + shift, *b + shift);
     }
-    crate::raster::flooded_from_outside(&barrier)
+    crate::raster::flooded_from_outside(&barrier).cropped(margin, margin, width, height)
 }
+
+/// How far beyond the canvas a contour is followed. Cages reach some ten pixels; a limit only
+/// keeps absurd input from asking for absurd memory.
+const MOST_BEYOND_PX: f64 = 4096.0;
 
 /// Marks an 8-connected chain of pixels from `a` to `b`.
 fn draw_line(mask: &mut Mask, a: Point, b: Point) {
@@ -144,5 +159,12 @@ mod tests {
         let ring = mask(&[".....", ".###.", ".#.#.", ".###.", "....."]);
         let longest = outlines(&ring).longest_exterior().unwrap();
         assert_eq!(filled(&longest, Point::ZERO, 5, 5), full);
+    }
+
+    #[test]
+    fn a_contour_that_reaches_beyond_the_canvas_is_filled() {
+        let square = [(-3.0, -3.0), (-3.0, 9.0), (2.0, 9.0), (2.0, -3.0)].map(Point::from);
+        let inside = filled(&square, Point::ZERO, 5, 2);
+        assert_eq!(inside, mask(&["###..", "###.."]));
     }
 }

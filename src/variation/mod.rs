@@ -5,8 +5,13 @@
 //!
 //! Imports `base`, `raster`, `geometry`, `contour`, `segment`.
 
+mod histogram;
 mod mean_value;
+mod sampling;
 mod warp;
+mod warp_image;
 
+pub use histogram::{Histogram, Transfer};
 pub use mean_value::{Cage, CageError, coordinates, mapped_exactly};
 pub use warp::{Warp, WarpPrecision};
+pub use warp_image::{inside_polygons, warped};

@@ -3,7 +3,7 @@
 //! The canvas is cut into bands of [`TILE`] rows that are worked on in parallel, tile by tile; each
 //! pixel depends on nothing but its own position, so the number of threads never shows.
 
-use super::sampling::{bilinear, bilinear_precise, rounded};
+use super::sampling::bilinear;
 use super::warp::{TILE, Warp, WarpPrecision, WarpTile};
 use crate::base::{Cancel, Cancelled, with_level_of_cpu};
 use crate::geometry::{Point, Polygon};
@@ -72,7 +72,7 @@ fn warp_band(
     }
 }
 
-/// The same with every position in double precision up to the fraction of a pixel.
+/// The same in double precision.
 fn warp_band_exactly(
     image: &Image<Premultiplied>,
     warp: &Warp,
@@ -86,10 +86,35 @@ fn warp_band_exactly(
         for (x, pixel) in line.iter_mut().enumerate() {
             if inside.at(x as u32, y as u32) {
                 let source = warp.position(Point::new(x as f64, y as f64));
-                *pixel = rounded(bilinear_precise(image, source.x, source.y));
+                *pixel = precise(image, source);
             }
         }
     }
+}
+
+/// A colour with each channel rounded to the nearest whole number.
+#[inline(always)]
+fn rounded(colour: [f32; 4]) -> Premultiplied {
+    Premultiplied(colour.map(|channel| (channel + 0.5) as u8))
+}
+
+/// The colour of `image` at a position in double precision, rounded; clear outside the picture and
+/// where a coordinate is not a number.
+fn precise(image: &Image<Premultiplied>, position: Point) -> Premultiplied {
+    let corner = position.floor();
+    let (u, v) = (position.x - corner.x, position.y - corner.y);
+    // Infinite and other far values end at the ends of i64's range, where there are no pixels.
+    let (x, y) = (corner.x as i64, corner.y as i64);
+    let at = |dx: i64, dy: i64| image.get(x.saturating_add(dx), y.saturating_add(dy));
+    let corners = [at(0, 0), at(1, 0), at(0, 1), at(1, 1)].map(Option::unwrap_or_default);
+    let mut colour = [0; 4];
+    for (channel, value) in colour.iter_mut().enumerate() {
+        let [a, b, c, d] = corners.map(|pixel| f64::from(pixel.0[channel]));
+        let (upper, lower) = (a + (b - a) * u, c + (d - c) * u);
+        // NaN becomes 0.
+        *value = (upper + (lower - upper) * v + 0.5) as u8;
+    }
+    Premultiplied(colour)
 }
 
 /// The pixels of the tile at (`left`, `top`) that belong to `inside`: bit x of entry y.
@@ -217,6 +242,21 @@ mod tests {
                     assert_eq!(mask.at(x, y), contains(&shape, point), "{point}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn both_precisions_sample_alike_inside_at_the_edge_and_beyond() {
+        let image = checker(5, 4);
+        for step in 0..100 {
+            let (x, y) = (-1.5 + f64::from(step) * 0.08, 5.0 - f64::from(step) * 0.07);
+            let single = rounded(bilinear(&image, x as f32, y as f32)).0;
+            let double = precise(&image, Point::new(x, y)).0;
+            let near = single.iter().zip(double).all(|(a, b)| a.abs_diff(b) <= 1);
+            assert!(near, "{x}, {y}: {single:?} {double:?}");
+        }
+        for odd in [f64::NAN, f64::INFINITY, -1e300] {
+            assert_eq!(precise(&image, Point::new(odd, 1.0)).alpha(), 0);
         }
     }
 

@@ -260,6 +260,52 @@ mod tests {
         }
     }
 
+    /// The polygons `dst` and `src` of the reference warp, where the folder of references is there.
+    fn reference_cage() -> Option<[Polygon; 2]> {
+        let data = std::env::var("BOSCAGE_DATA").unwrap_or("../shared/data".to_owned());
+        let folder = std::env::var("BOSCAGE_ORACLE").unwrap_or(format!("{data}/../oracle"));
+        let Ok(text) = std::fs::read(format!("{folder}/in/cage_100.json")) else {
+            println!("{folder} is not there: nothing is compared");
+            return None;
+        };
+        let json: serde_json::Value = serde_json::from_slice(&text).unwrap();
+        Some(["dst", "src"].map(|key| {
+            let points: Vec<[f64; 2]> = serde_json::from_value(json[key].clone()).unwrap();
+            points.into_iter().map(Point::from).collect()
+        }))
+    }
+
+    #[test]
+    fn no_pixel_of_the_reference_warp_is_off_by_a_quarter_pixel() {
+        let Some([target, source]) = reference_cage() else {
+            return;
+        };
+        let inside = inside_polygons(std::slice::from_ref(&target), 1024, 1024);
+        let cages = [target, source].map(|shape| Cage::new(&[shape]).unwrap());
+        let warp = Warp::new(&cages[0], &cages[1], 1).unwrap();
+        let mut tile = WarpTile::new();
+        let mut worst = 0.0f64;
+        let origins = (0..1024).step_by(TILE);
+        for (left, top) in origins
+            .clone()
+            .flat_map(|y| origins.clone().map(move |x| (x, y)))
+        {
+            let needed = needed(&inside, left, top);
+            let precision = WarpPrecision::Interpolated;
+            with_level_of_cpu(|| warp.fill_tile(&mut tile, left, top, &needed, precision));
+            for (row, bits) in needed.iter().enumerate() {
+                let (x, y) = tile.row(row);
+                for column in (0..TILE).filter(|column| bits >> column & 1 == 1) {
+                    let found = Point::new(f64::from(x[column]), f64::from(y[column]));
+                    let at = Point::new((left + column) as f64, (top + row) as f64);
+                    worst = worst.max(warp.position(at).distance(found));
+                }
+            }
+        }
+        println!("interpolated positions are off by {worst:.3} px at most");
+        assert!(worst < 0.25, "{worst} px");
+    }
+
     #[test]
     fn a_raised_flag_stops_it() {
         let cage = Cage::new(&[polygon(&[(0.0, 0.0), (0.0, 9.0), (9.0, 0.0)])]).unwrap();

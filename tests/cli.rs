@@ -479,6 +479,20 @@ fn a_disk_that_takes_nothing_is_the_environments_fault() {
     assert!(place.files("o").is_empty());
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn a_canvas_beyond_the_memory_is_the_environments_fault() {
+    let place = Place::new();
+    let boscage = env!("CARGO_BIN_EXE_boscage");
+    let line = "warp oak.png --from from.json --to to.json --size 20000 20000 --out w.png";
+    let limited = format!("ulimit -v 2000000; exec {boscage} {line}");
+    let mut shell = Command::new("sh");
+    let shell = shell.current_dir(place.0.path()).args(["-c", &limited]);
+    let output = shell.output().unwrap();
+    assert_eq!(output.status.code(), Some(1), "{}", errors(&output));
+    assert_eq!(errors(&output).lines().count(), 1);
+}
+
 #[test]
 fn names_with_control_characters_stay_on_one_line() {
     let place = Place::new();

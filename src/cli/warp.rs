@@ -81,12 +81,14 @@ impl Flags {
         let at = self.at.as_deref().map(PolygonFile::read).transpose()?;
         let file = PictureFile::read(&self.image)?;
         let image = file.decoded()?;
+        let size = match self.size.as_deref() {
+            Some(&[width, height]) => [width, height],
+            _ => [image.width(), image.height()],
+        };
+        check_memory(size)?;
         stage.advance();
         Ok(Checked {
-            size: match self.size.as_deref() {
-                Some(&[width, height]) => [width, height],
-                _ => [image.width(), image.height()],
-            },
+            size,
             precision: match self.exact {
                 true => WarpPrecision::Exact,
                 false => WarpPrecision::Interpolated,
@@ -112,6 +114,17 @@ impl Flags {
             .with(&[u8::from(self.exact)])
             .finish()
     }
+}
+
+/// Fails where the work would be aborted for want of memory.
+fn check_memory([width, height]: [u32; 2]) -> Result<(), Failure> {
+    /// A mask, two canvases of four bytes, and a PNG file that did not get smaller.
+    const BYTES_PER_PIXEL: usize = 13;
+    let bytes = width as usize * height as usize * BYTES_PER_PIXEL;
+    Vec::<u8>::new().try_reserve_exact(bytes).map_err(|_| {
+        let reason = "pixels need more memory than there is";
+        Failure::Environment(format!("--size {width} {height}: {reason}"))
+    })
 }
 
 /// A warp that can be done.

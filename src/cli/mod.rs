@@ -17,11 +17,14 @@ mod input;
 mod items;
 mod options;
 mod output;
+mod polygons;
+mod recolor;
 mod reporter;
 mod segment;
 mod session;
 mod stamp;
 mod usage;
+mod warp;
 
 use crate::base::{Cancel, Progress, with_threads};
 use clap::{CommandFactory as _, Parser, Subcommand};
@@ -47,12 +50,16 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Segment(segment::Flags),
+    Warp(warp::Flags),
+    Recolor(recolor::Flags),
 }
 
 impl Command {
     fn job(&self) -> &dyn Job {
         match self {
             Self::Segment(flags) => flags,
+            Self::Warp(flags) => flags,
+            Self::Recolor(flags) => flags,
         }
     }
 }

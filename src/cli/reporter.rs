@@ -138,6 +138,14 @@ struct JsonLines {
     newest: Mutex<Newest>,
 }
 
+fn progress_line(stage: &str, done: u64, total: u64) -> String {
+    // By hand for the order of the keys.
+    format!(
+        r#"{{"stage":{},"done":{done},"total":{total}}}"#,
+        json!(stage)
+    )
+}
+
 impl Reporter for JsonLines {
     fn report(&self, update: Update<'_>) {
         // Held while printing, so that lines come in order.
@@ -145,7 +153,7 @@ impl Reporter for JsonLines {
         let line = match update {
             Update::Began { stage, total } => {
                 newest.begin(stage);
-                json!({"stage": stage, "done": 0, "total": total})
+                progress_line(stage, 0, total)
             }
             Update::Advanced { stage, done, total } => {
                 let step = total / 1000 + 1;
@@ -153,12 +161,12 @@ impl Reporter for JsonLines {
                 if !(due && newest.advance(stage, done)) {
                     return;
                 }
-                json!({"stage": stage, "done": done, "total": total})
+                progress_line(stage, done, total)
             }
-            Update::Warning { message } => json!({"warning": one_line(message)}),
+            Update::Warning { message } => json!({"warning": one_line(message)}).to_string(),
             Update::Ended { .. } => return,
         };
-        to_stderr(&line.to_string());
+        to_stderr(&line);
     }
 }
 

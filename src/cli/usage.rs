@@ -28,7 +28,7 @@ fn summary(rendered: &str) -> String {
         .map(str::trim)
         .take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more"))
         .filter(|line| !line.is_empty());
-    let line = lines.collect::<Vec<_>>().join(" ");
+    let line = lines.collect::<Vec<_>>().join(" ").replace(" tip: ", "; ");
     let message = line.strip_prefix("error: ").unwrap_or(&line);
     format!("{message} (see `boscage --help`)")
 }
@@ -43,7 +43,7 @@ mod tests {
                         exists: '--out'\n\nUsage: boscage segment\n\nFor more information, try";
         assert_eq!(
             summary(rendered),
-            "unexpected argument '--ou' found tip: a similar argument exists: '--out' \
+            "unexpected argument '--ou' found; a similar argument exists: '--out' \
              (see `boscage --help`)"
         );
     }

@@ -5,17 +5,28 @@
 //!
 //! Imports `base`, `raster`, `geometry`, `contour`, `segment`.
 
+mod cache;
+mod choice;
 mod distortion;
 mod exemplar;
+mod histogram;
+mod library;
 mod mean_value;
 mod normalize;
+mod palette;
 mod sampling;
 mod synthesis;
 mod warp;
+mod warp_image;
 
+pub use choice::{ChoiceSettings, Chosen, Coloring, Part, chosen};
 pub use distortion::Distortion;
 pub use exemplar::{Exemplar, ExemplarError, ExemplarSettings, Outlined, Shape};
+pub use histogram::{Histogram, Transfer};
+pub use library::{Entry, Library, LibraryError, Refused};
 pub use mean_value::{Cage, CageError, coordinates, mapped_exactly};
 pub use normalize::{Normalized, Placement, normalized};
+pub use palette::Palette;
 pub use synthesis::{Layout, Source, Variation, synthesized};
 pub use warp::{Warp, WarpPrecision};
+pub use warp_image::{inside_polygons, warped};

@@ -15,15 +15,21 @@ mod clock;
 mod failure;
 mod input;
 mod items;
+mod library;
 mod options;
 mod output;
 mod polygons;
 mod recolor;
+mod records;
 mod reporter;
 mod segment;
 mod session;
+mod sheets;
 mod stamp;
 mod usage;
+mod vary;
+mod vary_again;
+mod vary_flags;
 mod warp;
 
 use crate::base::{Cancel, Progress, with_threads};
@@ -49,6 +55,7 @@ struct Cli {
 /// What can be asked for.
 #[derive(Debug, Subcommand)]
 enum Command {
+    Vary(Box<vary::Flags>),
     Segment(segment::Flags),
     Warp(warp::Flags),
     Recolor(recolor::Flags),
@@ -57,6 +64,7 @@ enum Command {
 impl Command {
     fn job(&self) -> &dyn Job {
         match self {
+            Self::Vary(flags) => flags.as_ref(),
             Self::Segment(flags) => flags,
             Self::Warp(flags) => flags,
             Self::Recolor(flags) => flags,

@@ -108,6 +108,11 @@ pub(super) struct Shard {
 }
 
 impl Shard {
+    /// Whether this part is the whole job.
+    pub(super) fn is_whole(self) -> bool {
+        self.count == 1
+    }
+
     /// Whether item `index` of the job belongs to this part.
     pub(super) fn contains(self, index: u64) -> bool {
         index % self.count == self.index

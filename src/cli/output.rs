@@ -62,6 +62,26 @@ impl Output {
         }
     }
 
+    /// Like [`Output::check`], but a file that holds exactly `content` may stay: several shards of
+    /// a job write the same record.
+    ///
+    /// # Errors
+    /// As [`Output::check`].
+    pub(super) fn check_same(&self, path: &Path, content: &str) -> Result<(), Failure> {
+        let is_same =
+            read_limited(path, content.len() as u64).is_ok_and(|bytes| bytes == content.as_bytes());
+        if is_same { Ok(()) } else { self.check([path]) }
+    }
+
+    /// Writes `content` unless the file holds it already.
+    ///
+    /// # Errors
+    /// As [`Output::write_item`].
+    pub(super) fn write_same(&self, path: &Path, content: &str) -> Result<(), Failure> {
+        self.check_same(path, content)?;
+        Ok(write_atomic(path, content.as_bytes())?)
+    }
+
     /// Whether `path` can stay: `--resume` was given, and the file is whole and was made by
     /// [`Output::write_item`] with this `recipe`.
     pub(super) fn is_ready(&self, path: &Path, recipe: Digest) -> bool {

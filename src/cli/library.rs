@@ -1,0 +1,116 @@
+//! Folders of tree pictures: which files, where prepared exemplars are kept, what is wrong.
+
+use super::failure::Failure;
+use super::session::Session;
+use crate::segment::Segmenter;
+use crate::variation::{ExemplarSettings, Library, LibraryError};
+use clap::Args;
+use std::path::{Path, PathBuf};
+
+/// Endings of the files that a library folder is searched for.
+const ENDINGS: [&str; 9] = [
+    "png", "jpg", "jpeg", "webp", "tga", "tif", "tiff", "bmp", "dds",
+];
+
+/// Where prepared exemplars are kept between runs.
+#[derive(Debug, Args)]
+pub(super) struct CacheFlags {
+    /// Folder where prepared exemplars are kept [default: the system's folder for caches]
+    #[arg(long, env = "BOSCAGE_CACHE", value_name = "DIR")]
+    cache: Option<PathBuf>,
+    /// Prepare every exemplar anew and keep nothing
+    #[arg(long, conflicts_with = "cache")]
+    no_cache: bool,
+}
+
+impl CacheFlags {
+    /// The folder, if one is to be used.
+    pub(super) fn folder(&self) -> Option<PathBuf> {
+        if self.no_cache {
+            return None;
+        }
+        let system = || {
+            let folders = directories::ProjectDirs::from("", "", "boscage")?;
+            Some(folders.cache_dir().join("exemplars"))
+        };
+        self.cache.clone().or_else(system)
+    }
+}
+
+/// The picture files in `folder`, by name.
+///
+/// # Errors
+/// [`Failure::BadInput`] when it cannot be listed or holds no picture files.
+pub(super) fn picture_files(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let failed = |error: std::io::Error| Failure::of(folder.display(), error);
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(failed)? {
+        let path = entry.map_err(failed)?.path();
+        let ending = path
+            .extension()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .to_lowercase();
+        // Label pictures lie beside the pictures they belong to.
+        let is_labels = path
+            .file_stem()
+            .is_some_and(|stem| stem.to_string_lossy().ends_with(".labels"));
+        if ENDINGS.contains(&ending.as_str()) && !is_labels && path.is_file() {
+            files.push(path);
+        }
+    }
+    if files.is_empty() {
+        return Err(Failure::of(
+            folder.display(),
+            "no picture files in this folder",
+        ));
+    }
+    files.sort();
+    Ok(files)
+}
+
+/// Opens the pictures in `files` as a library, warning of those that cannot be used.
+///
+/// # Errors
+/// [`Failure::BadInput`] when none can be used; [`Failure::Cancelled`].
+pub(super) fn opened<'a>(
+    files: &[PathBuf],
+    settings: ExemplarSettings,
+    segmenter: &'a (dyn Segmenter + Sync),
+    cache: Option<&Path>,
+    session: &Session<'_>,
+) -> Result<Library<'a>, Failure> {
+    let (library, refused) = Library::open(
+        files,
+        settings,
+        segmenter,
+        cache,
+        session.progress,
+        session.cancel,
+    )?;
+    if library.entries().is_empty() {
+        return Err(match refused.into_iter().next() {
+            Some(only) if files.len() == 1 => only.reason.into(),
+            _ => Failure::BadInput(format!("none of the {} pictures can be used", files.len())),
+        });
+    }
+    for refused in &refused {
+        session
+            .progress
+            .warn(&format!("{}; it is left out", refused.reason));
+    }
+    Ok(library)
+}
+
+impl From<LibraryError> for Failure {
+    fn from(error: LibraryError) -> Self {
+        match error {
+            LibraryError::File(error) => error.into(),
+            LibraryError::Image(error) => error.into(),
+            LibraryError::Cancelled(cancelled) => cancelled.into(),
+            LibraryError::Exemplar { .. } | LibraryError::Changed { .. } => {
+                Self::BadInput(error.to_string())
+            }
+        }
+    }
+}

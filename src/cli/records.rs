@@ -1,0 +1,172 @@
+//! `library.json`: what each tree of a library was made of, enough to make it again.
+
+use super::failure::Failure;
+use crate::base::{Seed, read_limited};
+use crate::contour::PinnedContour;
+use crate::geometry::Point;
+use crate::variation::{Chosen, Distortion, ExemplarSettings, Library};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// Version of the format; readers refuse others.
+const VERSION: u32 = 1;
+
+/// Largest file that is read back: a million trees.
+const LARGEST_BYTES: u64 = 1 << 30;
+
+/// A whole library.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct LibraryRecord {
+    pub(super) format: String,
+    pub(super) version: u32,
+    pub(super) generator: String,
+    /// Folder of the exemplars, as it was given.
+    pub(super) library: String,
+    /// How exemplars were prepared.
+    pub(super) settings: ExemplarSettings,
+    pub(super) trees: Vec<TreeRecord>,
+}
+
+/// One tree.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct TreeRecord {
+    /// The picture, relative to `library.json`.
+    pub(super) file: String,
+    /// The seed of this tree's random decisions.
+    pub(super) seed: u64,
+    pub(super) exemplars: Vec<ExemplarRecord>,
+    /// Shares of the outline, in the order of the exemplars.
+    pub(super) contour_weights: Vec<f64>,
+    /// Shares of the colours, in the order of the exemplars.
+    pub(super) color_weights: Vec<f64>,
+    /// The picture whose colours the tree was given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) like: Option<ExemplarRecord>,
+    pub(super) distortion: Distortion,
+    pub(super) pins: PinsRecord,
+    /// Width and height of the picture, in pixels.
+    pub(super) size: [u32; 2],
+}
+
+/// An exemplar that a tree was made of.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct ExemplarRecord {
+    /// Its file: a name in the library's folder, or the path of the target as given.
+    pub(super) file: String,
+    /// Digest of the file's content, BLAKE3.
+    pub(super) digest: String,
+}
+
+/// Foot and trunk tops in pixels of the picture.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct PinsRecord {
+    #[serde(rename = "B")]
+    pub(super) bottom: [f64; 2],
+    #[serde(rename = "L")]
+    pub(super) left: [f64; 2],
+    #[serde(rename = "R")]
+    pub(super) right: [f64; 2],
+}
+
+impl PinsRecord {
+    pub(super) fn of(contour: &PinnedContour) -> Self {
+        let pair = |point: Point| [point.x, point.y];
+        Self {
+            bottom: pair(contour.bottom()),
+            left: pair(contour.left()),
+            right: pair(contour.right()),
+        }
+    }
+}
+
+impl TreeRecord {
+    /// The record of the tree `name`.
+    pub(super) fn new(
+        name: String,
+        seed: Seed,
+        chosen: &Chosen,
+        library: &Library<'_>,
+        target: Option<usize>,
+        like: Option<&ExemplarRecord>,
+    ) -> Self {
+        let exemplar = |index: usize| {
+            let entry = &library.entries()[index];
+            let file = if target == Some(index) {
+                entry.path.display().to_string()
+            } else {
+                entry.file_name()
+            };
+            ExemplarRecord {
+                file,
+                digest: entry.digest.to_string(),
+            }
+        };
+        Self {
+            file: format!("{name}.png"),
+            seed: seed.0,
+            exemplars: chosen
+                .parts
+                .iter()
+                .map(|part| exemplar(part.exemplar))
+                .collect(),
+            contour_weights: chosen
+                .parts
+                .iter()
+                .map(|part| part.contour_weight)
+                .collect(),
+            color_weights: chosen.parts.iter().map(|part| part.color_weight).collect(),
+            like: like.cloned(),
+            distortion: chosen.layout.distortion,
+            pins: PinsRecord::of(&chosen.layout.contour),
+            size: [chosen.layout.size; 2],
+        }
+    }
+
+    /// The file's name without its ending.
+    pub(super) fn name(&self) -> &str {
+        self.file.strip_suffix(".png").unwrap_or(&self.file)
+    }
+
+    /// The record as JSON, on one line.
+    pub(super) fn to_json(&self) -> String {
+        json_of(serde_json::to_string(self))
+    }
+}
+
+impl LibraryRecord {
+    pub(super) fn new(folder: &Path, settings: ExemplarSettings, trees: Vec<TreeRecord>) -> Self {
+        Self {
+            format: "boscage-library".to_owned(),
+            version: VERSION,
+            generator: concat!("boscage ", env!("CARGO_PKG_VERSION")).to_owned(),
+            library: folder.display().to_string(),
+            settings,
+            trees,
+        }
+    }
+
+    /// The record as JSON.
+    pub(super) fn to_json(&self) -> String {
+        json_of(serde_json::to_string_pretty(self)) + "\n"
+    }
+
+    /// Reads a record back.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] when the file is not such a record.
+    pub(super) fn read(path: &Path) -> Result<Self, Failure> {
+        let bytes = read_limited(path, LARGEST_BYTES)?;
+        let failed = |reason: String| Failure::of(path.display(), reason);
+        let record: Self = serde_json::from_slice(&bytes)
+            .map_err(|error| failed(format!("not a library record: {error}")))?;
+        if record.format != "boscage-library" || record.version != VERSION {
+            let found = format!("{} version {}", record.format, record.version);
+            return Err(failed(format!("{found} is not known to this version")));
+        }
+        Ok(record)
+    }
+}
+
+fn json_of(written: serde_json::Result<String>) -> String {
+    written.unwrap_or_else(|_| unreachable!("records hold numbers and text only"))
+}

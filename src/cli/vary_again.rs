@@ -1,0 +1,128 @@
+//! `boscage vary --recipe library.json#tree_0003`: one tree again, from its record.
+
+use super::failure::Failure;
+use super::library::opened;
+use super::records::{LibraryRecord, TreeRecord};
+use super::session::Session;
+use super::vary::{Flags, Like, Outputs, make_tree};
+use crate::segment::Classical;
+use crate::variation::{Chosen, Library, Part, Shape, TreeMaker};
+use serde_json::json;
+use std::path::{Path, PathBuf};
+
+/// Makes the tree that `recipe` names and writes it into the folder `out`.
+pub(super) fn run(
+    recipe: &str,
+    flags: &Flags,
+    segmenter: &Classical,
+    out: &Path,
+    session: &Session<'_>,
+) -> Result<(), Failure> {
+    let Some((file, name)) = recipe.rsplit_once('#') else {
+        return Err(Failure::of(recipe, "name a tree: FILE.json#tree_0003"));
+    };
+    let file = Path::new(file);
+    let record = LibraryRecord::read(file)?;
+    let Some(tree) = record
+        .trees
+        .iter()
+        .find(|tree| tree.name() == name || tree.file == name)
+    else {
+        return Err(Failure::of(
+            file.display(),
+            format!("has no tree named {name}"),
+        ));
+    };
+    if tree.name().contains(['/', '\\']) {
+        return Err(Failure::of(
+            file.display(),
+            "the tree's file lies outside the folder",
+        ));
+    }
+    let outputs = Outputs {
+        folder: out,
+        with_labels: false,
+    };
+    session.output.check(outputs.of(tree.name()))?;
+    let folders = folders(flags, &record, file);
+    let paths = tree
+        .exemplars
+        .iter()
+        .map(|exemplar| found(&exemplar.file, &folders))
+        .collect::<Result<Vec<PathBuf>, Failure>>()?;
+    let cache = flags.cache.folder();
+    let library = opened(
+        &paths,
+        record.settings,
+        segmenter,
+        cache.as_deref(),
+        session,
+    )?;
+    let chosen = chosen_again(tree, &library, file)?;
+    let like_path = flags
+        .like
+        .clone()
+        .or(tree.like.as_ref().map(|like| PathBuf::from(&like.file)));
+    let like = like_path
+        .map(|path| Like::of(&path, record.settings, segmenter, session))
+        .transpose()?;
+    let maker = TreeMaker::new(&library, like.map(|like| like.palette));
+    let stage = session.progress.stage("vary", 1);
+    make_tree(&maker, &chosen, tree, &outputs, session)?;
+    drop(stage);
+    session.print_json(|| json!({"trees": [tree], "seconds": session.seconds()}))
+}
+
+/// Where exemplars are looked for: the folder given now, the one recorded, that folder seen from
+/// the record.
+fn folders(flags: &Flags, record: &LibraryRecord, file: &Path) -> Vec<PathBuf> {
+    let beside = file.parent().unwrap_or(Path::new("."));
+    let recorded = PathBuf::from(&record.library);
+    let mut folders: Vec<PathBuf> = flags.library.iter().cloned().collect();
+    folders.extend([recorded.clone(), beside.join(recorded), PathBuf::from(".")]);
+    folders
+}
+
+fn found(name: &str, folders: &[PathBuf]) -> Result<PathBuf, Failure> {
+    let mut candidates = folders.iter().map(|folder| folder.join(name));
+    candidates.find(|path| path.is_file()).ok_or_else(|| {
+        Failure::of(
+            name,
+            "this exemplar is not there; say with --library where it is",
+        )
+    })
+}
+
+/// The recorded decision, with exemplars that are what they were.
+fn chosen_again(tree: &TreeRecord, library: &Library<'_>, file: &Path) -> Result<Chosen, Failure> {
+    let broken = |reason: &str| Failure::of(file.display(), format!("{}: {reason}", tree.file));
+    let entries = library.entries();
+    if entries.len() != tree.exemplars.len() {
+        return Err(broken("an exemplar cannot be used any more"));
+    }
+    for (entry, exemplar) in entries.iter().zip(&tree.exemplars) {
+        if entry.digest.to_string() != exemplar.digest {
+            return Err(Failure::of(
+                entry.path.display(),
+                "is not the file the tree was made of",
+            ));
+        }
+    }
+    let weights = [&tree.contour_weights, &tree.color_weights];
+    let sound = |weights: &&Vec<f64>| {
+        let sum: f64 = weights.iter().sum();
+        weights.len() == entries.len()
+            && weights.iter().all(|w| (0.0..=1.0).contains(w))
+            && (sum - 1.0).abs() < 1e-6
+    };
+    if !weights.iter().all(sound) {
+        return Err(broken("the weights are not convex"));
+    }
+    let parts = (0..entries.len()).map(|exemplar| Part {
+        exemplar,
+        contour_weight: tree.contour_weights[exemplar],
+        color_weight: tree.color_weights[exemplar],
+    });
+    let shapes: Vec<&Shape> = entries.iter().map(|entry| entry.shape.as_ref()).collect();
+    Chosen::of(parts.collect(), &shapes).map_err(|error| broken(&error.to_string()))
+}

@@ -12,6 +12,7 @@
 //! Imports everything; nothing imports it.
 
 mod clock;
+mod demo;
 mod failure;
 mod input;
 mod items;
@@ -56,6 +57,7 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Vary(Box<vary::Flags>),
+    Demo(demo::Flags),
     Segment(segment::Flags),
     Warp(warp::Flags),
     Recolor(recolor::Flags),
@@ -65,6 +67,7 @@ impl Command {
     fn job(&self) -> &dyn Job {
         match self {
             Self::Vary(flags) => flags.as_ref(),
+            Self::Demo(flags) => flags,
             Self::Segment(flags) => flags,
             Self::Warp(flags) => flags,
             Self::Recolor(flags) => flags,

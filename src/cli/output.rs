@@ -67,9 +67,8 @@ impl Output {
     ///
     /// # Errors
     /// As [`Output::check`].
-    pub(super) fn check_same(&self, path: &Path, content: &str) -> Result<(), Failure> {
-        let is_same =
-            read_limited(path, content.len() as u64).is_ok_and(|bytes| bytes == content.as_bytes());
+    pub(super) fn check_same(&self, path: &Path, content: &[u8]) -> Result<(), Failure> {
+        let is_same = read_limited(path, content.len() as u64).is_ok_and(|bytes| bytes == content);
         if is_same { Ok(()) } else { self.check([path]) }
     }
 
@@ -77,9 +76,9 @@ impl Output {
     ///
     /// # Errors
     /// As [`Output::write_item`].
-    pub(super) fn write_same(&self, path: &Path, content: &str) -> Result<(), Failure> {
+    pub(super) fn write_same(&self, path: &Path, content: &[u8]) -> Result<(), Failure> {
         self.check_same(path, content)?;
-        Ok(write_atomic(path, content.as_bytes())?)
+        Ok(write_atomic(path, content)?)
     }
 
     /// Whether `path` can stay: `--resume` was given, and the file is whole and was made by

@@ -129,22 +129,28 @@ impl Flags {
 }
 
 /// A checked job.
-struct Vary {
-    folder: PathBuf,
+pub(super) struct Vary {
+    pub(super) folder: PathBuf,
     /// The library's pictures and, if there is one, the target as the last.
-    files: Vec<PathBuf>,
-    has_target: bool,
-    count: u32,
-    like: Option<PathBuf>,
-    with_labels: bool,
-    sheet: Option<PathBuf>,
-    settings: ExemplarSettings,
-    choice: ChoiceSettings,
-    cache: Option<PathBuf>,
+    pub(super) files: Vec<PathBuf>,
+    pub(super) has_target: bool,
+    pub(super) count: u32,
+    pub(super) like: Option<PathBuf>,
+    pub(super) with_labels: bool,
+    pub(super) sheet: Option<PathBuf>,
+    pub(super) settings: ExemplarSettings,
+    pub(super) choice: ChoiceSettings,
+    pub(super) cache: Option<PathBuf>,
 }
 
 impl Vary {
-    fn run(&self, segmenter: &Classical, out: &Path, session: &Session<'_>) -> Result<(), Failure> {
+    /// Chooses the trees, makes those of this shard, and writes the record.
+    pub(super) fn run(
+        &self,
+        segmenter: &Classical,
+        out: &Path,
+        session: &Session<'_>,
+    ) -> Result<(), Failure> {
         let outputs = Outputs {
             folder: out,
             with_labels: self.with_labels,
@@ -183,7 +189,7 @@ impl Vary {
         let json = record.to_json();
         session
             .output
-            .check_same(&out.join("library.json"), &json)?;
+            .check_same(&out.join("library.json"), json.as_bytes())?;
 
         let maker = TreeMaker::new(&library, like.map(|like| like.palette));
         let items: Vec<(&Chosen, &TreeRecord)> = trees.iter().zip(&record.trees).collect();
@@ -192,7 +198,7 @@ impl Vary {
         })?;
         session
             .output
-            .write_same(&out.join("library.json"), &json)?;
+            .write_same(&out.join("library.json"), json.as_bytes())?;
         self.draw_sheet(out, &record, session)?;
         session.print_json(|| {
             json!({
@@ -232,8 +238,9 @@ impl Vary {
                     .map_err(|error| Failure::of(tree_name(index), error))?;
                 if !chosen.layout.distortion.is_small() {
                     session.progress.warn(&format!(
-                        "{}: no pair of the library fits well; folded {:.1} %, smeared {:.0} %",
+                        "{}: no choice fits well; stretched {:.1} times, folded {:.1} %, smeared {:.0} %",
                         tree_name(index),
+                        chosen.layout.distortion.stretch,
                         100.0 * chosen.layout.distortion.folded,
                         100.0 * chosen.layout.distortion.smeared,
                     ));

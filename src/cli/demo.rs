@@ -1,0 +1,74 @@
+//! `boscage demo`: the whole pipeline on the built-in samples.
+
+use super::failure::Failure;
+use super::session::Session;
+use super::vary::Vary;
+use super::{Job, Stages};
+use crate::branches::samples::samples;
+use crate::segment::Classical;
+use crate::variation::{ChoiceSettings, ExemplarSettings};
+use clap::Args;
+use std::path::PathBuf;
+
+/// Make new trees from the built-in samples
+///
+/// Writes the samples into DIR/exemplars, new trees and library.json into DIR/trees, and all of
+/// them on one sheet, DIR/sheet.png.
+#[derive(Debug, Args)]
+#[command(after_help = "Example: boscage demo --out out/demo")]
+pub(super) struct Flags {
+    /// How many trees
+    #[arg(long, default_value_t = 24, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    count: u32,
+    /// Side of the pictures, in pixels
+    #[arg(long, default_value_t = 1024, value_name = "PX", value_parser = clap::value_parser!(u32).range(64..=8192))]
+    size: u32,
+}
+
+impl Job for Flags {
+    fn stages(&self) -> Stages {
+        &[
+            ("samples", 1.0),
+            ("prepare", 10.0),
+            ("choose", 2.0),
+            ("vary", 80.0),
+            ("sheet", 7.0),
+        ]
+    }
+
+    fn run(&self, session: &Session<'_>) -> Result<(), Failure> {
+        let out = session.options.out()?;
+        let folder = out.join("exemplars");
+        let files: Vec<PathBuf> = samples()
+            .iter()
+            .map(|sample| folder.join(format!("{}.webp", sample.name())))
+            .collect();
+        let stage = session.progress.stage("samples", files.len() as u64);
+        for (file, sample) in files.iter().zip(samples()) {
+            session.cancel.check()?;
+            session.output.write_same(file, sample.bundled())?;
+            stage.advance();
+        }
+        drop(stage);
+        let vary = Vary {
+            folder,
+            files,
+            has_target: false,
+            count: self.count,
+            like: None,
+            with_labels: false,
+            sheet: session
+                .options
+                .shard
+                .is_whole()
+                .then(|| out.join("sheet.png")),
+            settings: ExemplarSettings {
+                size: self.size,
+                ..Default::default()
+            },
+            choice: ChoiceSettings::default(),
+            cache: None,
+        };
+        vary.run(&Classical, &out.join("trees"), session)
+    }
+}

@@ -16,7 +16,7 @@ pub use cancel::{Cancel, Cancelled};
 pub use file::{FileError, read_limited, write_atomic};
 pub use hash::{Digest, Hasher};
 pub use panics::{Panicked, without_panics};
-pub use parallel::{with_level_of_cpu, with_threads};
+pub use parallel::{Kernel, with_level_of_cpu, with_threads};
 pub use progress::{Progress, Reporter, Stage, Update};
 pub use random::{Random, Seed};
 pub use text::one_line;

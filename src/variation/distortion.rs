@@ -7,8 +7,7 @@
 
 use super::mean_value::{LANES, Lanes};
 use super::warp::Warp;
-use crate::base::with_level_of_cpu;
-use crate::geometry::{Point, contains};
+use crate::geometry::Point;
 use serde::{Deserialize, Serialize};
 
 /// Samples across the side of the target's bounding box: 40 find every fold that is larger than
@@ -48,11 +47,7 @@ impl Distortion {
     /// The distortion of `warp` inside the closed outline `contour` of the target.
     pub fn of(warp: &Warp, contour: &[Point]) -> Self {
         let samples = sample_points(contour);
-        let mut jacobians: Vec<[f64; 4]> = Vec::with_capacity(samples.len());
-        for group in samples.chunks(LANES / 4) {
-            with_level_of_cpu(|| jacobians_of(warp, group, &mut jacobians));
-        }
-        Self::summed_up(&jacobians)
+        Self::summed_up(&jacobians(warp, &samples))
     }
 
     /// The worse of the two in every respect.
@@ -99,7 +94,7 @@ impl Distortion {
     }
 }
 
-/// The points of a regular grid that are inside `contour`.
+/// The points of a regular grid that are inside `contour`, by the even–odd rule.
 fn sample_points(contour: &[Point]) -> Vec<Point> {
     let low = contour
         .iter()
@@ -114,42 +109,65 @@ fn sample_points(contour: &[Point]) -> Vec<Point> {
     let step = ((high - low).max_element() / SAMPLES_ACROSS as f64).max(1.0);
     let columns = ((high.x - low.x) / step) as usize + 1;
     let rows = ((high.y - low.y) / step) as usize + 1;
-    (0..rows)
-        .flat_map(|row| (0..columns).map(move |column| (row, column)))
-        .map(|(row, column)| low + (Point::new(column as f64, row as f64) + 0.5) * step)
-        .filter(|&point| contains(contour, point))
+    let mut points = Vec::new();
+    for row in 0..rows {
+        let y = low.y + (row as f64 + 0.5) * step;
+        let crossings = crossings(contour, y);
+        for column in 0..columns {
+            let x = low.x + (column as f64 + 0.5) * step;
+            let right = crossings.iter().filter(|&&crossing| x < crossing).count();
+            if right % 2 == 1 {
+                points.push(Point::new(x, y));
+            }
+        }
+    }
+    points
+}
+
+/// Where the closed `contour` crosses the horizontal line at `y`.
+fn crossings(contour: &[Point], y: f64) -> Vec<f64> {
+    let edges = contour.iter().zip(contour.iter().cycle().skip(1));
+    edges
+        .filter(|(a, b)| (a.y > y) != (b.y > y))
+        .map(|(a, b)| (b.x - a.x) * (y - a.y) / (b.y - a.y) + a.x)
         .collect()
 }
 
-/// Appends [∂x/∂x′, ∂x/∂y′, ∂y/∂x′, ∂y/∂y′] at up to a quarter of [`LANES`] points.
-#[inline(always)]
-fn jacobians_of(warp: &Warp, points: &[Point], jacobians: &mut Vec<[f64; 4]>) {
-    let offsets = [
+/// [∂x/∂x′, ∂x/∂y′, ∂y/∂x′, ∂y/∂y′] at each of `points`.
+fn jacobians(warp: &Warp, points: &[Point]) -> Vec<[f64; 4]> {
+    const OFFSETS: [(f32, f32); 4] = [
         (-DIFFERENCE_PX, 0.0),
         (DIFFERENCE_PX, 0.0),
         (0.0, -DIFFERENCE_PX),
         (0.0, DIFFERENCE_PX),
     ];
-    let (mut x, mut y): (Lanes, Lanes) = ([0.0; LANES], [0.0; LANES]);
-    for lane in 0..LANES {
-        let point = points[(lane / 4).min(points.len() - 1)];
-        let (dx, dy) = offsets[lane % 4];
-        x[lane] = point.x as f32 + dx;
-        y[lane] = point.y as f32 + dy;
-    }
-    warp.map(&mut x, &mut y);
+    // The four ends of both central differences of a quarter of LANES points.
+    let groups = points.chunks(LANES / 4);
+    let mut ends: Vec<(Lanes, Lanes)> = groups
+        .map(|group| {
+            let centre = |lane: usize| group[(lane / 4).min(group.len() - 1)];
+            (
+                std::array::from_fn(|lane| centre(lane).x as f32 + OFFSETS[lane % 4].0),
+                std::array::from_fn(|lane| centre(lane).y as f32 + OFFSETS[lane % 4].1),
+            )
+        })
+        .collect();
+    warp.map(&mut ends);
     let slope = |values: &Lanes, lane: usize| {
         f64::from(values[lane + 1] - values[lane]) / f64::from(2.0 * DIFFERENCE_PX)
     };
-    for group in 0..points.len() {
-        let lane = 4 * group;
-        jacobians.push([
-            slope(&x, lane),
-            slope(&x, lane + 2),
-            slope(&y, lane),
-            slope(&y, lane + 2),
-        ]);
-    }
+    (0..points.len())
+        .map(|index| {
+            let (x, y) = &ends[index / (LANES / 4)];
+            let lane = index % (LANES / 4) * 4;
+            [
+                slope(x, lane),
+                slope(x, lane + 2),
+                slope(y, lane),
+                slope(y, lane + 2),
+            ]
+        })
+        .collect()
 }
 
 /// The larger and the smaller singular value of the matrix [a, b; c, d].

@@ -16,7 +16,7 @@ use super::mean_value::{Cage, CageError};
 use super::sampling::bilinear;
 use super::warp::{TILE, Warp, WarpPrecision, WarpTile};
 use super::{Distortion, Exemplar, Shape};
-use crate::base::{Cancel, Cancelled, with_level_of_cpu};
+use crate::base::{Cancel, Cancelled, Kernel, with_level_of_cpu};
 use crate::contour::{PinnedContour, filled};
 use crate::geometry::Point;
 use crate::raster::{Image, Mask, Premultiplied};
@@ -133,15 +133,13 @@ pub fn synthesized(
         .enumerate()
         .try_for_each(|(band, (pixels, labels))| {
             cancel.check()?;
-            with_level_of_cpu(|| {
-                let rows = Band {
-                    top: band * TILE,
-                    size,
-                    pixels,
-                    labels,
-                };
-                rows.fill(layout, sources, &inside, precision);
-            });
+            let rows = Band {
+                top: band * TILE,
+                size,
+                pixels,
+                labels,
+            };
+            rows.fill(layout, sources, &inside, precision);
             Ok(())
         })?;
     Ok(Variation {
@@ -159,7 +157,6 @@ struct Band<'a> {
 }
 
 impl Band<'_> {
-    #[inline(always)]
     fn fill(
         self,
         layout: &Layout,
@@ -173,29 +170,59 @@ impl Band<'_> {
             .zip(sources)
             .filter(|(_, s)| s.color_weight > 0.0)
             .collect();
-        let mut tiles: Vec<WarpTile> = giving.iter().map(|_| WarpTile::new()).collect();
+        let mut parts: Vec<(WarpTile, &Source<'_>)> = giving
+            .iter()
+            .map(|(_, source)| (WarpTile::new(), *source))
+            .collect();
         for left in (0..self.size).step_by(TILE) {
             let needed = needed_pixels(inside, left, self.top);
             if needed.iter().all(|&bits| bits == 0) {
                 continue;
             }
-            for (tile, (warp, _)) in tiles.iter_mut().zip(&giving) {
+            for ((tile, _), (warp, _)) in parts.iter_mut().zip(&giving) {
                 warp.fill_tile(tile, left, self.top, &needed, precision);
             }
-            let rows = self
-                .pixels
-                .chunks_mut(self.size)
-                .zip(self.labels.chunks_mut(self.size));
-            for (row, (pixels, labels)) in rows.enumerate() {
-                for column in (0..TILE).filter(|column| needed[row] >> column & 1 == 1) {
-                    let mut mix = Mix::default();
-                    for (tile, (_, source)) in tiles.iter().zip(&giving) {
-                        let (x, y) = tile.row(row);
-                        mix.add(source, x[column], y[column]);
-                    }
-                    pixels[left + column] = mix.color();
-                    labels[left + column] = mix.label;
+            with_level_of_cpu(MixTile {
+                parts: &parts,
+                needed: &needed,
+                left,
+                size: self.size,
+                pixels: self.pixels,
+                labels: self.labels,
+            });
+        }
+    }
+}
+
+/// The needed pixels of a tile, to be mixed of all sources.
+struct MixTile<'a> {
+    parts: &'a [(WarpTile, &'a Source<'a>)],
+    needed: &'a [u32; TILE],
+    left: usize,
+    size: usize,
+    pixels: &'a mut [Premultiplied],
+    labels: &'a mut [Label],
+}
+
+impl Kernel for MixTile<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let pixels = self.pixels.chunks_mut(self.size);
+        let rows = pixels.zip(self.labels.chunks_mut(self.size));
+        for ((row, &bits), (pixels, labels)) in self.needed.iter().enumerate().zip(rows) {
+            let mut left_over = bits;
+            while left_over != 0 {
+                let column = left_over.trailing_zeros() as usize;
+                left_over &= left_over - 1;
+                let mut mix = Mix::default();
+                for (tile, source) in self.parts {
+                    let (x, y) = tile.row(row);
+                    mix.add(source, x[column], y[column]);
                 }
+                pixels[self.left + column] = mix.color();
+                labels[self.left + column] = mix.label();
             }
         }
     }
@@ -221,44 +248,49 @@ fn needed_pixels(inside: &Mask, left: usize, top: usize) -> [u32; TILE] {
 
 /// The colours of one new pixel, coming together.
 #[derive(Default)]
-struct Mix {
-    /// Σ weight · premultiplied colour.
-    color: [f32; 3],
-    /// Σ weight · alpha.
-    alpha: f32,
+struct Mix<'a> {
+    /// Σ weight · premultiplied colour, and Σ weight · alpha.
+    sum: [f32; 4],
     /// The largest alpha, 0 to 255.
     most: f32,
-    /// The label of the source that counts most here, and how much it does.
-    label: Label,
+    /// Weight · alpha of the source that counts most here, its labels and the place in them.
     strongest: f32,
+    labels: Option<&'a Labels>,
+    at: (f32, f32),
 }
 
-impl Mix {
+impl<'a> Mix<'a> {
     #[inline(always)]
-    fn add(&mut self, source: &Source<'_>, x: f32, y: f32) {
-        let [r, g, b, alpha] = bilinear(&source.exemplar.image, x, y);
+    fn add(&mut self, source: &Source<'a>, x: f32, y: f32) {
+        let color = bilinear(&source.exemplar.image, x, y);
         let weight = source.color_weight as f32;
-        for (sum, value) in self.color.iter_mut().zip([r, g, b]) {
+        for (sum, value) in self.sum.iter_mut().zip(color) {
             *sum += weight * value;
         }
-        self.alpha += weight * alpha;
-        self.most = self.most.max(alpha);
-        if weight * alpha > self.strongest {
-            self.strongest = weight * alpha;
-            let at = (x.round() as i64, y.round() as i64);
-            self.label = source.exemplar.labels.get(at.0, at.1).unwrap_or_default();
+        self.most = self.most.max(color[3]);
+        if weight * color[3] > self.strongest {
+            self.strongest = weight * color[3];
+            self.labels = Some(&source.exemplar.labels);
+            self.at = (x, y);
         }
     }
 
     #[inline(always)]
+    fn label(&self) -> Label {
+        let at = |labels: &Labels| labels.get(self.at.0.round() as i64, self.at.1.round() as i64);
+        self.labels.and_then(at).unwrap_or_default()
+    }
+
+    #[inline(always)]
     fn color(&self) -> Premultiplied {
-        if self.alpha <= 0.0 {
+        let [r, g, b, alpha] = self.sum;
+        if alpha <= 0.0 {
             return Premultiplied::default();
         }
-        let scale = self.most / self.alpha;
+        let scale = self.most / alpha;
         let rounded = |value: f32| (value + 0.5).min(255.0) as u8;
         let alpha = rounded(self.most);
-        let [r, g, b] = self.color.map(|value| rounded(value * scale).min(alpha));
+        let [r, g, b] = [r, g, b].map(|value| rounded(value * scale).min(alpha));
         Premultiplied([r, g, b, alpha])
     }
 }

@@ -15,6 +15,7 @@
 //! some 2–6 % of the pixels are mapped exactly. [`WarpPrecision::Exact`] maps all.
 
 use super::mean_value::{Cage, CageError, LANES, LaneMap, Lanes, mapped_exactly};
+use crate::base::{Kernel, with_level_of_cpu};
 use crate::geometry::Point;
 
 /// Side of the block of pixels that is mapped together, a power of two. Larger blocks save corners
@@ -82,17 +83,16 @@ impl Warp {
         self.steps.len()
     }
 
-    /// Maps [`LANES`] points in place, in single precision.
-    #[inline(always)]
-    pub(super) fn map(&self, x: &mut Lanes, y: &mut Lanes) {
-        for map in &self.lanes {
-            map.map(x, y);
-        }
+    /// Maps points (x, y) in place, in single precision.
+    pub(super) fn map(&self, points: &mut [(Lanes, Lanes)]) {
+        with_level_of_cpu(MapPoints {
+            steps: &self.lanes,
+            points,
+        });
     }
 
     /// The source positions of the needed pixels of the tile whose top-left pixel is
     /// (`left`, `top`).
-    #[inline(always)]
     pub(super) fn fill_tile(
         &self,
         tile: &mut WarpTile,
@@ -118,10 +118,10 @@ impl Warp {
         }
     }
 
-    #[inline(always)]
     fn fill_interpolated(&self, tile: &mut WarpTile, needed: &[u32; TILE]) {
-        let mut squares = vec![(0, 0)];
-        let mut next = Vec::new();
+        let mut squares = std::mem::take(&mut tile.squares);
+        let mut next = std::mem::take(&mut tile.next);
+        squares.push((0, 0));
         let mut side = TILE;
         while side >= 2 && !squares.is_empty() {
             squares.retain(|&(column, row)| any_needed(needed, column, row, side));
@@ -144,6 +144,27 @@ impl Warp {
             next.clear();
             side /= 2;
         }
+        squares.clear();
+        (tile.squares, tile.next) = (squares, next);
+    }
+}
+
+/// Points to be sent through all steps of a map.
+struct MapPoints<'a> {
+    steps: &'a [LaneMap],
+    points: &'a mut [(Lanes, Lanes)],
+}
+
+impl Kernel for MapPoints<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for (x, y) in self.points {
+            for step in self.steps {
+                step.map(x, y);
+            }
+        }
     }
 }
 
@@ -163,6 +184,9 @@ pub(super) struct WarpTile {
     y: Vec<f32>,
     known: Vec<bool>,
     wanted: Vec<u16>,
+    points: Vec<(Lanes, Lanes)>,
+    squares: Vec<(usize, usize)>,
+    next: Vec<(usize, usize)>,
 }
 
 impl WarpTile {
@@ -175,6 +199,9 @@ impl WarpTile {
             y: vec![0.0; POINTS * POINTS],
             known: vec![false; POINTS * POINTS],
             wanted: Vec::new(),
+            points: Vec::new(),
+            squares: Vec::new(),
+            next: Vec::new(),
         }
     }
 
@@ -208,23 +235,25 @@ impl WarpTile {
     }
 
     /// Maps all points asked for.
-    #[inline(always)]
     fn evaluate(&mut self, warp: &Warp) {
-        let wanted = std::mem::take(&mut self.wanted);
-        for group in wanted.chunks(LANES) {
+        let (left, top) = (self.left, self.top);
+        let groups = self.wanted.chunks(LANES);
+        self.points.clear();
+        self.points.extend(groups.map(|group| {
+            // The last group is filled up with its last point.
             let index = |lane: usize| usize::from(group[lane.min(group.len() - 1)]);
-            let mut x: Lanes = [0.0; LANES];
-            let mut y: Lanes = [0.0; LANES];
-            for lane in 0..LANES {
-                x[lane] = (self.left + index(lane) % POINTS) as f32;
-                y[lane] = (self.top + index(lane) / POINTS) as f32;
-            }
-            warp.map(&mut x, &mut y);
-            for lane in 0..group.len() {
-                self.put(index(lane), x[lane], y[lane]);
+            (
+                std::array::from_fn(|lane| (left + index(lane) % POINTS) as f32),
+                std::array::from_fn(|lane| (top + index(lane) / POINTS) as f32),
+            )
+        }));
+        warp.map(&mut self.points);
+        for (group, (x, y)) in self.wanted.chunks(LANES).zip(&self.points) {
+            for (lane, &index) in group.iter().enumerate() {
+                self.x[usize::from(index)] = x[lane];
+                self.y[usize::from(index)] = y[lane];
             }
         }
-        self.wanted = wanted;
         self.wanted.clear();
     }
 
@@ -280,7 +309,6 @@ impl WarpTile {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::with_level_of_cpu;
 
     fn star(radius: f64, teeth: f64, count: usize) -> Cage {
         let points = (0..count).map(|i| {
@@ -300,7 +328,7 @@ mod tests {
             for (left, top) in (0..4).flat_map(|i| (0..4).map(move |j| (i * TILE, j * TILE))) {
                 let needed = [u32::MAX; TILE];
                 let precision = WarpPrecision::Interpolated;
-                with_level_of_cpu(|| warp.fill_tile(&mut tile, left, top, &needed, precision));
+                warp.fill_tile(&mut tile, left, top, &needed, precision);
                 for row in 0..TILE {
                     for column in 0..TILE {
                         let target = Point::new((left + column) as f64, (top + row) as f64);

@@ -37,8 +37,9 @@ impl Pins {
 ///
 /// `on_trunk` says which points of the contour belong to the trunk. Departure from the paper: when
 /// branches hang lower than the trunk's foot, B is the lowest point *of the trunk*, or a weeping
-/// willow would stand on the tip of a twig. Without a trunk (`baseline_y` is `None` or below B)
-/// L = R = B.
+/// willow would stand on the tip of a twig. Likewise L and R stay at the trunk when a branch that
+/// hangs below the baseline leads the walk away from it: then they are the last points of the trunk
+/// on the way. Without a trunk (`baseline_y` is `None` or below B) L = R = B.
 ///
 /// # Panics
 /// When `contour` is empty.
@@ -53,21 +54,52 @@ pub fn pins(contour: &[Point], baseline_y: Option<f64>, on_trunk: impl Fn(Point)
     let bottom = lowest(contour, if trunk.is_empty() { &all } else { &trunk });
     match baseline_y {
         Some(baseline_y) if contour[bottom].y > baseline_y => {
-            let above = |i: &usize| contour[*i].y <= baseline_y;
             let count = contour.len();
-            let mut forward = (1..count).map(|step| (bottom + step) % count);
-            let mut backward = (1..count).map(|step| (bottom + count - step) % count);
-            match (forward.find(above), backward.find(above)) {
-                (Some(right), Some(left)) if left != right => Pins {
-                    bottom,
-                    left,
-                    right,
-                },
+            let forward = (1..count).map(|step| (bottom + step) % count);
+            let backward = (1..count).map(|step| (bottom + count - step) % count);
+            let right = trunk_top(contour, forward, baseline_y, &on_trunk);
+            let left = trunk_top(contour, backward, baseline_y, &on_trunk);
+            match (right, left) {
+                (Some(right), Some(left)) if left != right && left != bottom && right != bottom => {
+                    Pins {
+                        bottom,
+                        left,
+                        right,
+                    }
+                }
                 _ => Pins::without_trunk(bottom),
             }
         }
         _ => Pins::without_trunk(bottom),
     }
+}
+
+/// How far the contour may have left the trunk when it crosses the baseline, as a share of the
+/// trunk's height: the crown flares there by a tenth, a hanging branch reaches much further.
+const LARGEST_FLARE: f64 = 0.15;
+
+/// Where a walk up one side of the trunk enters the crown.
+fn trunk_top(
+    contour: &[Point],
+    walk: impl Iterator<Item = usize>,
+    baseline_y: f64,
+    on_trunk: &impl Fn(Point) -> bool,
+) -> Option<usize> {
+    let mut last_on_trunk = None;
+    let mut foot_y: Option<f64> = None;
+    for index in walk {
+        let point = contour[index];
+        let height = foot_y.get_or_insert(point.y).max(point.y) - baseline_y;
+        if point.y <= baseline_y {
+            let nearest = last_on_trunk.unwrap_or(index);
+            let strayed = contour[nearest].distance(point) > LARGEST_FLARE * height + 2.0;
+            return Some(if strayed { nearest } else { index });
+        }
+        if on_trunk(point) {
+            last_on_trunk = Some(index);
+        }
+    }
+    None
 }
 
 /// Of `candidates` the one with the largest y; of several the median in the order of the contour.
@@ -129,6 +161,19 @@ mod tests {
             let pins = pins(&contour, baseline_y, |_| false);
             assert_eq!((pins.left, pins.right), (pins.bottom, pins.bottom));
         }
+    }
+
+    #[test]
+    fn a_hanging_branch_does_not_lead_the_pin_away() {
+        let mut contour = mushroom();
+        // Right of the trunk the crown hangs down to y = 4 before it rises.
+        contour.splice(
+            4..4,
+            [(9, 4), (30, 4), (30, 1)].map(|(x, y)| Point::new(f64::from(x), f64::from(y))),
+        );
+        let pins = pins(&contour, Some(2.0), |p| p.y > 2.0 && p.x < 4.0);
+        assert_eq!(contour[pins.right], Point::new(3.0, 3.0));
+        assert_eq!(contour[pins.left], Point::new(1.0, 2.0));
     }
 
     #[test]

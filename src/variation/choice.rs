@@ -205,7 +205,9 @@ fn companions(
 
 /// Whether two trees are of a kind: both with or both without a trunk, and about as dense.
 fn matches(a: &Shape, b: &Shape) -> bool {
+    // A cage may lose the trunk that the outline has: between strands that hang to the ground.
     a.contour.pins.has_trunk() == b.contour.pins.has_trunk()
+        && a.cage.pins.has_trunk() == b.cage.pins.has_trunk()
         && (a.density - b.density).abs() <= DENSITY_RANGE
 }
 

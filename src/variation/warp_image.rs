@@ -5,7 +5,7 @@
 
 use super::sampling::bilinear;
 use super::warp::{TILE, Warp, WarpPrecision, WarpTile};
-use crate::base::{Cancel, Cancelled, with_level_of_cpu};
+use crate::base::{Cancel, Cancelled};
 use crate::geometry::{Point, Polygon};
 use crate::raster::{Image, Mask, Premultiplied};
 use rayon::prelude::*;
@@ -35,7 +35,7 @@ pub fn warped(
             match precision {
                 WarpPrecision::Exact => warp_band_exactly(image, warp, inside, top, pixels),
                 WarpPrecision::Interpolated => {
-                    with_level_of_cpu(|| warp_band(image, warp, inside, top, pixels, tile));
+                    warp_band(image, warp, inside, top, pixels, tile);
                 }
             }
             Ok(())
@@ -44,7 +44,6 @@ pub fn warped(
 }
 
 /// Fills the rows from `top` on, `pixels`, with interpolated positions.
-#[inline(always)]
 fn warp_band(
     image: &Image<Premultiplied>,
     warp: &Warp,
@@ -292,7 +291,7 @@ mod tests {
         {
             let needed = needed(&inside, left, top);
             let precision = WarpPrecision::Interpolated;
-            with_level_of_cpu(|| warp.fill_tile(&mut tile, left, top, &needed, precision));
+            warp.fill_tile(&mut tile, left, top, &needed, precision);
             for (row, bits) in needed.iter().enumerate() {
                 let (x, y) = tile.row(row);
                 for column in (0..TILE).filter(|column| bits >> column & 1 == 1) {

@@ -8,6 +8,7 @@
 mod distortion;
 mod exemplar;
 mod mean_value;
+mod mix;
 mod normalize;
 mod sampling;
 mod synthesis;

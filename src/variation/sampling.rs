@@ -1,44 +1,57 @@
 //! The colour of a picture between its pixels.
 
+use super::mean_value::{LANES, Lanes};
 use crate::raster::{Image, Premultiplied};
 
-/// The premultiplied colour of `image` at (`x`, `y`), 0 to 255 a channel, bilinear between pixel
-/// centres; transparent outside.
+/// The premultiplied colours of `image` at [`LANES`] places, 0 to 255, channel by channel: bilinear
+/// between pixel centres; transparent outside.
 #[inline(always)]
-pub(super) fn bilinear(image: &Image<Premultiplied>, x: f32, y: f32) -> [f32; 4] {
-    let (left, top) = (x.floor(), y.floor());
-    let (column, row) = (left as i32, top as i32);
+pub(super) fn bilinear_lanes(image: &Image<Premultiplied>, x: &Lanes, y: &Lanes) -> [Lanes; 4] {
     let (width, height) = (image.width() as i32, image.height() as i32);
-    // NaN becomes 0 in the cast and is sampled there: no position is ever out of bounds.
-    if column < -1 || row < -1 || column >= width || row >= height {
-        return [0.0; 4];
+    let (mut s, mut t): (Lanes, Lanes) = ([0.0; LANES], [0.0; LANES]);
+    let (mut columns, mut rows) = ([0i32; LANES], [0i32; LANES]);
+    let mut all_inside = true;
+    for lane in 0..LANES {
+        let (left, top) = (x[lane].floor(), y[lane].floor());
+        (s[lane], t[lane]) = (x[lane] - left, y[lane] - top);
+        // NaN becomes 0 in the cast and is sampled there: no position is ever out of bounds.
+        (columns[lane], rows[lane]) = (left as i32, top as i32);
+        all_inside &= columns[lane] >= 0 && columns[lane] < width - 1;
+        all_inside &= rows[lane] >= 0 && rows[lane] < height - 1;
     }
-    let (s, t) = (x - left, y - top);
-    let corners = if column >= 0 && row >= 0 && column + 1 < width && row + 1 < height {
-        let index = row as usize * width as usize + column as usize;
-        let pixels = image.pixels();
-        let below = index + width as usize;
-        [
-            pixels[index],
-            pixels[index + 1],
-            pixels[below],
-            pixels[below + 1],
-        ]
-    } else {
-        let at = |dx: i32, dy: i32| {
-            let (x, y) = (i64::from(column + dx), i64::from(row + dy));
-            image.get(x, y).unwrap_or_default()
+    let mut corners = [[0u32; LANES]; 4];
+    for lane in 0..LANES {
+        let four = if all_inside {
+            let index = rows[lane] as usize * width as usize + columns[lane] as usize;
+            let upper = &image.pixels()[index..index + 2];
+            let lower = &image.pixels()[index + width as usize..index + width as usize + 2];
+            [upper[0], upper[1], lower[0], lower[1]]
+        } else {
+            corners_anywhere(image, columns[lane], rows[lane])
         };
-        [at(0, 0), at(1, 0), at(0, 1), at(1, 1)]
-    };
-    let mut colour = [0.0; 4];
-    for (channel, value) in colour.iter_mut().enumerate() {
-        let [a, b, c, d] = corners.map(|corner| f32::from(corner.0[channel]));
-        let upper = a + (b - a) * s;
-        let lower = c + (d - c) * s;
-        *value = upper + (lower - upper) * t;
+        for (corner, pixel) in corners.iter_mut().zip(four) {
+            corner[lane] = u32::from_le_bytes(pixel.0);
+        }
     }
-    colour
+    let mut colors = [[0.0; LANES]; 4];
+    for (channel, color) in colors.iter_mut().enumerate() {
+        for lane in 0..LANES {
+            let value =
+                |corner: usize| (corners[corner][lane] >> (8 * channel) & 255) as i32 as f32;
+            let upper = value(0) + (value(1) - value(0)) * s[lane];
+            let lower = value(2) + (value(3) - value(2)) * s[lane];
+            color[lane] = upper + (lower - upper) * t[lane];
+        }
+    }
+    colors
+}
+
+/// The four pixels from (`column`, `row`) on, which may be outside.
+#[inline(never)]
+fn corners_anywhere(image: &Image<Premultiplied>, column: i32, row: i32) -> [Premultiplied; 4] {
+    let (column, row) = (i64::from(column), i64::from(row));
+    let at = |dx: i64, dy: i64| image.get(column + dx, row + dy).unwrap_or_default();
+    [at(0, 0), at(1, 0), at(0, 1), at(1, 1)]
 }
 
 #[cfg(test)]
@@ -49,10 +62,12 @@ mod tests {
     fn centres_are_exact_and_the_outside_is_transparent() {
         let pixels = vec![Premultiplied([8, 0, 0, 255]), Premultiplied([4, 0, 0, 255])];
         let image = Image::from_pixels(2, 1, pixels);
-        assert_eq!(bilinear(&image, 0.0, 0.0), [8.0, 0.0, 0.0, 255.0]);
-        assert_eq!(bilinear(&image, 0.5, 0.0), [6.0, 0.0, 0.0, 255.0]);
-        assert_eq!(bilinear(&image, 1.5, 0.0), [2.0, 0.0, 0.0, 127.5]);
-        assert_eq!(bilinear(&image, 0.0, -0.5), [4.0, 0.0, 0.0, 127.5]);
-        assert_eq!(bilinear(&image, 2.0, 0.0), [0.0; 4]);
+        let bilinear =
+            |x: f32, y: f32| bilinear_lanes(&image, &[x; LANES], &[y; LANES]).map(|c| c[3]);
+        assert_eq!(bilinear(0.0, 0.0), [8.0, 0.0, 0.0, 255.0]);
+        assert_eq!(bilinear(0.5, 0.0), [6.0, 0.0, 0.0, 255.0]);
+        assert_eq!(bilinear(1.5, 0.0), [2.0, 0.0, 0.0, 127.5]);
+        assert_eq!(bilinear(0.0, -0.5), [4.0, 0.0, 0.0, 127.5]);
+        assert_eq!(bilinear(2.0, 0.0), [0.0; 4]);
     }
 }

@@ -40,10 +40,12 @@ impl Kernel for MixTile<'_> {
                 if bits == 0 {
                     continue;
                 }
+                let share: Lanes = std::array::from_fn(|lane| (bits >> lane & 1) as f32);
                 let mut mix = Mix::default();
-                for (number, (tile, source)) in self.parts.iter().enumerate() {
+                for (number, (tile, source)) in (0..).zip(self.parts) {
                     let (x, y) = tile.row(row);
-                    mix.add(source, number, &x[first..], &y[first..], bits);
+                    let (x, y) = (wanted(x, first, bits), wanted(y, first, bits));
+                    mix.add(source, number, &x, &y, &share);
                 }
                 let from = self.left + first;
                 let colors = mix.colors();
@@ -62,7 +64,19 @@ impl Kernel for MixTile<'_> {
 const LANE_BITS: u32 = (1 << LANES) - 1;
 
 /// No source.
-const NOBODY: u32 = u32::MAX;
+const NOBODY: i32 = -1;
+
+/// The values from `first` on in the lanes whose bit is set. The others were never filled and become
+/// 0, a place that every picture has.
+#[inline(always)]
+fn wanted(values: &[f32], first: usize, bits: u32) -> Lanes {
+    let mut lanes = [0.0; LANES];
+    lanes.copy_from_slice(&values[first..first + LANES]);
+    for (lane, value) in lanes.iter_mut().enumerate() {
+        *value = if bits & 1 << lane != 0 { *value } else { 0.0 };
+    }
+    lanes
+}
 
 /// The colours of [`LANES`] new pixels, coming together.
 struct Mix {
@@ -70,11 +84,11 @@ struct Mix {
     sums: [Lanes; 4],
     /// The largest alpha, 0 to 255.
     most: Lanes,
-    /// Weight · alpha of the source that counts most, its number and the pixel of it.
+    /// Weight · alpha of the source that counts most, its number and the place in it.
     strongest: Lanes,
-    source: [u32; LANES],
-    x: [i32; LANES],
-    y: [i32; LANES],
+    source: [i32; LANES],
+    x: Lanes,
+    y: Lanes,
 }
 
 impl Default for Mix {
@@ -85,27 +99,18 @@ impl Default for Mix {
             most: [0.0; LANES],
             strongest: [0.0; LANES],
             source: [NOBODY; LANES],
-            x: [0; LANES],
-            y: [0; LANES],
+            x: [0.0; LANES],
+            y: [0.0; LANES],
         }
     }
 }
 
 impl Mix {
-    /// Adds what `source`, the `number`-th, has at the places of the lanes whose bit is set.
+    /// Adds what `source`, the `number`-th, has at (`x`, `y`) in the lanes of which `share` is 1.
     #[inline(always)]
-    fn add(&mut self, source: &Source<'_>, number: usize, x: &[f32], y: &[f32], bits: u32) {
-        // Places of unwanted pixels were never filled; any place inside does for them.
-        let (mut own_x, mut own_y): (Lanes, Lanes) = ([0.0; LANES], [0.0; LANES]);
-        let mut share: Lanes = [0.0; LANES];
+    fn add(&mut self, source: &Source<'_>, number: i32, x: &Lanes, y: &Lanes, share: &Lanes) {
         let weight = source.color_weight as f32;
-        for lane in 0..LANES {
-            let wanted = bits >> lane & 1 == 1;
-            own_x[lane] = if wanted { x[lane] } else { 0.0 };
-            own_y[lane] = if wanted { y[lane] } else { 0.0 };
-            share[lane] = if wanted { 1.0 } else { 0.0 };
-        }
-        let color = bilinear_lanes(&source.exemplar.image, &own_x, &own_y);
+        let color = bilinear_lanes(&source.exemplar.image, x, y);
         for (sums, values) in self.sums.iter_mut().zip(&color) {
             for lane in 0..LANES {
                 sums[lane] += weight * values[lane] * share[lane];
@@ -113,28 +118,35 @@ impl Mix {
         }
         for lane in 0..LANES {
             let alpha = color[3][lane] * share[lane];
+            let strength = weight * alpha;
+            let stronger = strength > self.strongest[lane];
             self.most[lane] = self.most[lane].max(alpha);
-            let stronger = weight * alpha > self.strongest[lane];
-            let chosen = |new: i32, old: i32| if stronger { new } else { old };
-            self.strongest[lane] = self.strongest[lane].max(weight * alpha);
-            self.source[lane] = chosen(number as i32, self.source[lane] as i32) as u32;
-            self.x[lane] = chosen(own_x[lane].round() as i32, self.x[lane]);
-            self.y[lane] = chosen(own_y[lane].round() as i32, self.y[lane]);
+            self.strongest[lane] = if stronger {
+                strength
+            } else {
+                self.strongest[lane]
+            };
+            self.source[lane] = if stronger { number } else { self.source[lane] };
+            self.x[lane] = if stronger { x[lane] } else { self.x[lane] };
+            self.y[lane] = if stronger { y[lane] } else { self.y[lane] };
         }
     }
 
     /// The premultiplied colours, red in the lowest byte.
     #[inline(always)]
     fn colors(&self) -> [u32; LANES] {
-        let mut colors = [0; LANES];
-        for (lane, color) in colors.iter_mut().enumerate() {
-            let visible = self.sums[3][lane] > 0.0;
-            let scale = self.most[lane] / self.sums[3][lane];
-            let scale = if visible { scale } else { 0.0 };
-            let rounded = |value: f32| (value + 0.5).min(255.0) as i32 as u32;
+        let [red, green, blue, sum] = &self.sums;
+        let (mut scale, mut colors) = ([0.0; LANES], [0; LANES]);
+        for lane in 0..LANES {
+            let quotient = self.most[lane] / sum[lane];
+            scale[lane] = if sum[lane] > 0.0 { quotient } else { 0.0 };
+        }
+        for lane in 0..LANES {
             let alpha = rounded(self.most[lane]);
-            let byte = |channel: usize| rounded(self.sums[channel][lane] * scale).min(alpha);
-            *color = byte(0) | byte(1) << 8 | byte(2) << 16 | alpha << 24;
+            let red = rounded(red[lane] * scale[lane]).min(alpha);
+            let green = rounded(green[lane] * scale[lane]).min(alpha);
+            let blue = rounded(blue[lane] * scale[lane]).min(alpha);
+            colors[lane] = red | green << 8 | blue << 16 | alpha << 24;
         }
         colors
     }
@@ -142,10 +154,17 @@ impl Mix {
     /// The label of the pixel that counts most.
     #[inline(always)]
     fn label(&self, parts: &[(WarpTile, &Source<'_>)], lane: usize) -> Label {
-        let Some((_, source)) = parts.get(self.source[lane] as usize) else {
+        let source = usize::try_from(self.source[lane]).ok();
+        let Some((_, source)) = source.and_then(|number| parts.get(number)) else {
             return Label::default();
         };
-        let (x, y) = (i64::from(self.x[lane]), i64::from(self.y[lane]));
+        let (x, y) = (self.x[lane].round() as i64, self.y[lane].round() as i64);
         source.exemplar.labels.get(x, y).unwrap_or_default()
     }
+}
+
+/// The nearest of 0 to 255 to a value that is not negative.
+#[inline(always)]
+fn rounded(value: f32) -> u32 {
+    (value + 0.5).min(255.0) as i32 as u32
 }

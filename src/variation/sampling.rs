@@ -7,51 +7,89 @@ use crate::raster::{Image, Premultiplied};
 /// between pixel centres; transparent outside.
 #[inline(always)]
 pub(super) fn bilinear_lanes(image: &Image<Premultiplied>, x: &Lanes, y: &Lanes) -> [Lanes; 4] {
-    let (width, height) = (image.width() as i32, image.height() as i32);
+    let (width, height) = (image.width(), image.height());
     let (mut s, mut t): (Lanes, Lanes) = ([0.0; LANES], [0.0; LANES]);
     let (mut columns, mut rows) = ([0i32; LANES], [0i32; LANES]);
-    let mut all_inside = true;
     for lane in 0..LANES {
         let (left, top) = (x[lane].floor(), y[lane].floor());
-        (s[lane], t[lane]) = (x[lane] - left, y[lane] - top);
+        s[lane] = x[lane] - left;
+        t[lane] = y[lane] - top;
         // NaN becomes 0 in the cast and is sampled there: no position is ever out of bounds.
-        (columns[lane], rows[lane]) = (left as i32, top as i32);
-        all_inside &= columns[lane] >= 0 && columns[lane] < width - 1;
-        all_inside &= rows[lane] >= 0 && rows[lane] < height - 1;
+        columns[lane] = left as i32;
+        rows[lane] = top as i32;
     }
-    let mut corners = [[0u32; LANES]; 4];
+    let mut outside = 0;
     for lane in 0..LANES {
-        let four = if all_inside {
-            let index = rows[lane] as usize * width as usize + columns[lane] as usize;
-            let upper = &image.pixels()[index..index + 2];
-            let lower = &image.pixels()[index + width as usize..index + width as usize + 2];
-            [upper[0], upper[1], lower[0], lower[1]]
-        } else {
-            corners_anywhere(image, columns[lane], rows[lane])
-        };
-        for (corner, pixel) in corners.iter_mut().zip(four) {
-            corner[lane] = u32::from_le_bytes(pixel.0);
-        }
+        // Negative numbers are large ones without their sign.
+        outside |= u32::from(columns[lane] as u32 >= width - 1);
+        outside |= u32::from(rows[lane] as u32 >= height - 1);
     }
+    let corners = if outside == 0 {
+        corners_inside(image, &columns, &rows)
+    } else {
+        corners_anywhere(image, &columns, &rows)
+    };
     let mut colors = [[0.0; LANES]; 4];
     for (channel, color) in colors.iter_mut().enumerate() {
         for lane in 0..LANES {
-            let value =
-                |corner: usize| (corners[corner][lane] >> (8 * channel) & 255) as i32 as f32;
-            let upper = value(0) + (value(1) - value(0)) * s[lane];
-            let lower = value(2) + (value(3) - value(2)) * s[lane];
+            let a = value(corners[0][lane], channel);
+            let b = value(corners[1][lane], channel);
+            let c = value(corners[2][lane], channel);
+            let d = value(corners[3][lane], channel);
+            let upper = a + (b - a) * s[lane];
+            let lower = c + (d - c) * s[lane];
             color[lane] = upper + (lower - upper) * t[lane];
         }
     }
     colors
 }
 
-/// The four pixels from (`column`, `row`) on, which may be outside.
+/// One channel of a pixel.
+#[inline(always)]
+fn value(pixel: u32, channel: usize) -> f32 {
+    (pixel >> (8 * channel) & 255) as i32 as f32
+}
+
+/// Four neighbouring pixels for each lane: upper left, upper right, lower left, lower right; each
+/// with its red in the lowest byte.
+type Corners = [[u32; LANES]; 4];
+
+/// The pixels at and beside (column, row), which must all be inside.
+#[inline(always)]
+fn corners_inside(
+    image: &Image<Premultiplied>,
+    columns: &[i32; LANES],
+    rows: &[i32; LANES],
+) -> Corners {
+    let width = image.width() as usize;
+    let mut corners = [[0; LANES]; 4];
+    for lane in 0..LANES {
+        let index = rows[lane] as usize * width + columns[lane] as usize;
+        let four = &image.pixels()[index..index + width + 2];
+        corners[0][lane] = u32::from_le_bytes(four[0].0);
+        corners[1][lane] = u32::from_le_bytes(four[1].0);
+        corners[2][lane] = u32::from_le_bytes(four[width].0);
+        corners[3][lane] = u32::from_le_bytes(four[width + 1].0);
+    }
+    corners
+}
+
+/// Likewise for pixels that may be outside, where all is transparent.
 #[inline(never)]
-fn corners_anywhere(image: &Image<Premultiplied>, column: i32, row: i32) -> [Premultiplied; 4] {
-    let (column, row) = (i64::from(column), i64::from(row));
-    let at = |dx: i64, dy: i64| image.get(column + dx, row + dy).unwrap_or_default();
-    [at(0, 0), at(1, 0), at(0, 1), at(1, 1)]
+fn corners_anywhere(
+    image: &Image<Premultiplied>,
+    columns: &[i32; LANES],
+    rows: &[i32; LANES],
+) -> Corners {
+    let mut corners = [[0; LANES]; 4];
+    for (number, corner) in (0i64..).zip(&mut corners) {
+        for lane in 0..LANES {
+            let column = i64::from(columns[lane]) + number % 2;
+            let row = i64::from(rows[lane]) + number / 2;
+            corner[lane] = u32::from_le_bytes(image.get(column, row).unwrap_or_default().0);
+        }
+    }
+    corners
 }
 
 #[cfg(test)]

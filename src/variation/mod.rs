@@ -13,6 +13,7 @@ mod histogram;
 mod library;
 mod maker;
 mod mean_value;
+mod mix;
 mod normalize;
 mod palette;
 mod sampling;

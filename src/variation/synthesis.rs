@@ -13,10 +13,10 @@
 //! rest for the mix.
 
 use super::mean_value::{Cage, CageError};
-use super::sampling::bilinear;
+use super::mix::MixTile;
 use super::warp::{TILE, Warp, WarpPrecision, WarpTile};
 use super::{Distortion, Exemplar, Shape};
-use crate::base::{Cancel, Cancelled, Kernel, with_level_of_cpu};
+use crate::base::{Cancel, Cancelled, with_level_of_cpu};
 use crate::contour::{PinnedContour, filled};
 use crate::geometry::Point;
 use crate::raster::{Image, Mask, Premultiplied};
@@ -194,40 +194,6 @@ impl Band<'_> {
     }
 }
 
-/// The needed pixels of a tile, to be mixed of all sources.
-struct MixTile<'a> {
-    parts: &'a [(WarpTile, &'a Source<'a>)],
-    needed: &'a [u32; TILE],
-    left: usize,
-    size: usize,
-    pixels: &'a mut [Premultiplied],
-    labels: &'a mut [Label],
-}
-
-impl Kernel for MixTile<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let pixels = self.pixels.chunks_mut(self.size);
-        let rows = pixels.zip(self.labels.chunks_mut(self.size));
-        for ((row, &bits), (pixels, labels)) in self.needed.iter().enumerate().zip(rows) {
-            let mut left_over = bits;
-            while left_over != 0 {
-                let column = left_over.trailing_zeros() as usize;
-                left_over &= left_over - 1;
-                let mut mix = Mix::default();
-                for (tile, source) in self.parts {
-                    let (x, y) = tile.row(row);
-                    mix.add(source, x[column], y[column]);
-                }
-                pixels[self.left + column] = mix.color();
-                labels[self.left + column] = mix.label();
-            }
-        }
-    }
-}
-
 /// Which pixels of the tile at (`left`, `top`) are inside: bit x of row y.
 fn needed_pixels(inside: &Mask, left: usize, top: usize) -> [u32; TILE] {
     let mut needed = [0; TILE];
@@ -244,53 +210,4 @@ fn needed_pixels(inside: &Mask, left: usize, top: usize) -> [u32; TILE] {
         }
     }
     needed
-}
-
-/// The colours of one new pixel, coming together.
-#[derive(Default)]
-struct Mix<'a> {
-    /// Σ weight · premultiplied colour, and Σ weight · alpha.
-    sum: [f32; 4],
-    /// The largest alpha, 0 to 255.
-    most: f32,
-    /// Weight · alpha of the source that counts most here, its labels and the place in them.
-    strongest: f32,
-    labels: Option<&'a Labels>,
-    at: (f32, f32),
-}
-
-impl<'a> Mix<'a> {
-    #[inline(always)]
-    fn add(&mut self, source: &Source<'a>, x: f32, y: f32) {
-        let color = bilinear(&source.exemplar.image, x, y);
-        let weight = source.color_weight as f32;
-        for (sum, value) in self.sum.iter_mut().zip(color) {
-            *sum += weight * value;
-        }
-        self.most = self.most.max(color[3]);
-        if weight * color[3] > self.strongest {
-            self.strongest = weight * color[3];
-            self.labels = Some(&source.exemplar.labels);
-            self.at = (x, y);
-        }
-    }
-
-    #[inline(always)]
-    fn label(&self) -> Label {
-        let at = |labels: &Labels| labels.get(self.at.0.round() as i64, self.at.1.round() as i64);
-        self.labels.and_then(at).unwrap_or_default()
-    }
-
-    #[inline(always)]
-    fn color(&self) -> Premultiplied {
-        let [r, g, b, alpha] = self.sum;
-        if alpha <= 0.0 {
-            return Premultiplied::default();
-        }
-        let scale = self.most / alpha;
-        let rounded = |value: f32| (value + 0.5).min(255.0) as u8;
-        let alpha = rounded(self.most);
-        let [r, g, b] = [r, g, b].map(|value| rounded(value * scale).min(alpha));
-        Premultiplied([r, g, b, alpha])
-    }
 }

@@ -12,8 +12,10 @@
 //! Imports everything; nothing imports it.
 
 mod clock;
+mod exemplars;
 mod failure;
 mod input;
+mod inspect;
 mod items;
 mod options;
 mod output;
@@ -46,12 +48,14 @@ struct Cli {
 /// What can be asked for.
 #[derive(Debug, Subcommand)]
 enum Command {
+    Inspect(inspect::Flags),
     Segment(segment::Flags),
 }
 
 impl Command {
     fn job(&self) -> &dyn Job {
         match self {
+            Self::Inspect(flags) => flags,
             Self::Segment(flags) => flags,
         }
     }

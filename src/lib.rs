@@ -16,4 +16,6 @@ pub mod branches;
 
 pub mod variation;
 
+pub mod sheet;
+
 pub mod cli;

@@ -13,8 +13,10 @@
 
 mod clock;
 mod demo;
+mod exemplars;
 mod failure;
 mod input;
+mod inspect;
 mod items;
 mod library;
 mod options;
@@ -58,6 +60,7 @@ struct Cli {
 enum Command {
     Vary(Box<vary::Flags>),
     Demo(demo::Flags),
+    Inspect(inspect::Flags),
     Segment(segment::Flags),
     Warp(warp::Flags),
     Recolor(recolor::Flags),
@@ -68,6 +71,7 @@ impl Command {
         match self {
             Self::Vary(flags) => flags.as_ref(),
             Self::Demo(flags) => flags,
+            Self::Inspect(flags) => flags,
             Self::Segment(flags) => flags,
             Self::Warp(flags) => flags,
             Self::Recolor(flags) => flags,

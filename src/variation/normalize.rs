@@ -40,6 +40,26 @@ impl Placement {
         }
     }
 
+    /// `original`, something told of each pixel of the original picture (labels, say), brought to
+    /// the normalised frame by its nearest pixels; `outside` where no tree was put.
+    pub fn placed<P: Copy>(&self, original: &Image<P>, outside: P) -> Image<P> {
+        let (width, height) = Self::resized_sides(self.crop, self.scale);
+        let (left, top) = (self.offset.x as u32, self.offset.y as u32);
+        // The pixel of `source` whose area holds the centre of pixel `at` of `target`.
+        let nearest = |at: u32, source: u32, target: u32| {
+            ((2 * u64::from(at) + 1) * u64::from(source) / (2 * u64::from(target))) as u32
+        };
+        let mut placed = Image::filled(self.size, self.size, outside);
+        for y in 0..height {
+            let from = original.row(self.crop.y + nearest(y, self.crop.height, height));
+            for x in 0..width {
+                let column = self.crop.x + nearest(x, self.crop.width, width);
+                placed.set(left + x, top + y, from[column as usize]);
+            }
+        }
+        placed
+    }
+
     fn resized_sides(crop: Rect, scale: f64) -> (u32, u32) {
         let side = |pixels: u32| ((f64::from(pixels) * scale).round() as u32).max(1);
         (side(crop.width), side(crop.height))
@@ -146,6 +166,21 @@ mod tests {
         );
         assert_eq!(found.image.at(16, 63), Premultiplied([10, 200, 10, 255]));
         assert_eq!(found.mask.count(), 32 * 64);
+    }
+
+    #[test]
+    fn labels_go_where_their_pixels_went() {
+        let mut picture = Image::filled(9, 9, Straight([0; 4]));
+        let mut labels = Image::filled(9, 9, 0u8);
+        for (x, y, label) in [(4, 2, 7), (4, 3, 8), (4, 4, 9), (4, 5, 9)] {
+            picture.set(x, y, Straight([50, 50, 50, 255]));
+            labels.set(x, y, label);
+        }
+        let placement = normalized(&picture, 8, 0.5).unwrap().placement;
+        let placed = placement.placed(&labels, 1);
+        let column: Vec<u8> = (0..8).map(|y| placed.at(3, y)).collect();
+        assert_eq!(column, [7, 7, 8, 8, 9, 9, 9, 9]);
+        assert_eq!((placed.at(2, 0), placed.at(5, 7)), (1, 1));
     }
 
     #[test]

@@ -1,0 +1,14 @@
+//! Pictures for people: what a tree's outline looks like, many trees side by side.
+//!
+//! Plain pixels, drawn with `tiny-skia`: the same bits on every machine, no window needed.
+//!
+//! Imports `raster`, `geometry`, `contour`, `variation`.
+
+mod contact;
+mod font;
+mod overlay;
+mod paint;
+mod scene;
+
+pub use contact::{Cell, contact_sheet};
+pub use overlay::{Overlay, overlay};

@@ -252,7 +252,8 @@ mod tests {
         let image = checker(5, 4);
         for step in 0..100 {
             let (x, y) = (-1.5 + f64::from(step) * 0.08, 5.0 - f64::from(step) * 0.07);
-            let single = rounded(bilinear(&image, x as f32, y as f32)).0;
+            let lanes = bilinear_lanes(&image, &[x as f32; LANES], &[y as f32; LANES]);
+            let single = rounded(lanes.map(|channel| channel[0])).0;
             let double = precise(&image, Point::new(x, y)).0;
             let near = single.iter().zip(double).all(|(a, b)| a.abs_diff(b) <= 1);
             assert!(near, "{x}, {y}: {single:?} {double:?}");

@@ -32,6 +32,11 @@ impl Kernel for MixTile<'_> {
 
     #[inline(always)]
     fn run(self) {
+        let weights = self
+            .parts
+            .iter()
+            .map(|(_, source)| source.color_weight as f32);
+        let heaviest = weights.fold(f32::MIN_POSITIVE, f32::max);
         let pixels = self.pixels.chunks_mut(self.size);
         let rows = pixels.zip(self.labels.chunks_mut(self.size));
         for ((row, &bits), (pixels, labels)) in self.needed.iter().enumerate().zip(rows) {
@@ -45,7 +50,8 @@ impl Kernel for MixTile<'_> {
                 for (number, (tile, source)) in (0..).zip(self.parts) {
                     let (x, y) = tile.row(row);
                     let (x, y) = (wanted(x, first, bits), wanted(y, first, bits));
-                    mix.add(source, number, &x, &y, &share);
+                    let presence = presence(source, heaviest);
+                    mix.add((source, number), presence, &x, &y, &share);
                 }
                 let from = self.left + first;
                 let colors = mix.colors();
@@ -78,6 +84,16 @@ fn wanted(values: &[f32], first: usize, bits: u32) -> Lanes {
     lanes
 }
 
+/// How much of its alpha a source may impose, 0 to 1: all of it from half of the largest weight on.
+///
+/// Departure from the paper, which takes the largest alpha whatever the weights: there a source of
+/// weight 0.01 still draws its whole silhouette, a fringe of other colour round the tree, and pops
+/// up as soon as a morph leaves its first picture.
+#[inline(always)]
+fn presence(source: &Source<'_>, heaviest: f32) -> f32 {
+    (2.0 * source.color_weight as f32 / heaviest).min(1.0)
+}
+
 /// The colours of [`LANES`] new pixels, coming together.
 struct Mix {
     /// Σ weight · premultiplied colour, and Σ weight · alpha.
@@ -108,7 +124,14 @@ impl Default for Mix {
 impl Mix {
     /// Adds what `source`, the `number`-th, has at (`x`, `y`) in the lanes of which `share` is 1.
     #[inline(always)]
-    fn add(&mut self, source: &Source<'_>, number: i32, x: &Lanes, y: &Lanes, share: &Lanes) {
+    fn add(
+        &mut self,
+        (source, number): (&Source<'_>, i32),
+        presence: f32,
+        x: &Lanes,
+        y: &Lanes,
+        share: &Lanes,
+    ) {
         let weight = source.color_weight as f32;
         let color = bilinear_lanes(&source.exemplar.image, x, y);
         for (sums, values) in self.sums.iter_mut().zip(&color) {
@@ -120,7 +143,7 @@ impl Mix {
             let alpha = color[3][lane] * share[lane];
             let strength = weight * alpha;
             let stronger = strength > self.strongest[lane];
-            self.most[lane] = self.most[lane].max(alpha);
+            self.most[lane] = self.most[lane].max(alpha * presence);
             self.strongest[lane] = if stronger {
                 strength
             } else {

@@ -3,7 +3,8 @@
 //! The canvas is cut into bands of [`TILE`] rows that are worked on in parallel, tile by tile; each
 //! pixel depends on nothing but its own position, so the number of threads never shows.
 
-use super::sampling::bilinear;
+use super::mean_value::{LANES, Lanes};
+use super::sampling::bilinear_lanes;
 use super::warp::{TILE, Warp, WarpPrecision, WarpTile};
 use crate::base::{Cancel, Cancelled};
 use crate::geometry::{Point, Polygon};
@@ -61,11 +62,13 @@ fn warp_band(
         warp.fill_tile(tile, left, top, &needed, WarpPrecision::Interpolated);
         for (row, line) in pixels.chunks_mut(width).enumerate() {
             let (x, y) = tile.row(row);
-            let mut bits = needed[row];
-            while bits != 0 {
-                let column = bits.trailing_zeros() as usize;
-                bits &= bits - 1;
-                line[left + column] = rounded(bilinear(image, x[column], y[column]));
+            for first in (0..TILE).step_by(LANES) {
+                let group =
+                    |values: &[f32]| -> Lanes { std::array::from_fn(|i| values[first + i]) };
+                let colors = bilinear_lanes(image, &group(x), &group(y));
+                for lane in (0..LANES).filter(|lane| needed[row] >> (first + lane) & 1 == 1) {
+                    line[left + first + lane] = rounded(colors.map(|channel| channel[lane]));
+                }
             }
         }
     }

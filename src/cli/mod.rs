@@ -11,6 +11,7 @@
 //!
 //! Imports everything; nothing imports it.
 
+mod bench;
 mod clock;
 mod demo;
 mod exemplars;
@@ -64,6 +65,7 @@ enum Command {
     Segment(segment::Flags),
     Warp(warp::Flags),
     Recolor(recolor::Flags),
+    Bench(bench::Flags),
 }
 
 impl Command {
@@ -75,6 +77,7 @@ impl Command {
             Self::Segment(flags) => flags,
             Self::Warp(flags) => flags,
             Self::Recolor(flags) => flags,
+            Self::Bench(flags) => flags,
         }
     }
 }

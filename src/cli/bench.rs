@@ -1,0 +1,350 @@
+//! `boscage bench`: how long the main pieces of work take here, beside what others need.
+
+use super::failure::Failure;
+use super::session::Session;
+use super::{Job, Stages};
+use crate::base::{Cancel, Progress, Seed};
+use crate::branches::samples;
+use crate::geometry::Point;
+use crate::raster::{Compression, Image, ReadLimits, Straight, encode_png, read_image_from_memory};
+use crate::segment::{Classical, SegmentError};
+use crate::variation::{
+    Exemplar, ExemplarError, ExemplarSettings, Histogram, Layout, Source, Transfer, WarpPrecision,
+    synthesized,
+};
+use clap::Args;
+use serde_json::{Value, json};
+use std::hint::black_box;
+use std::io::Write as _;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// Measure how fast this machine makes trees
+///
+/// Times the main pieces of work on the built-in samples, each at least seven times, and prints them
+/// beside their targets and what others need.
+#[derive(Debug, Args)]
+#[command(after_help = "Example: boscage bench --json")]
+pub(super) struct Flags {}
+
+/// The samples that are mixed.
+const PAIR: [&str; 2] = ["oak", "linden"];
+
+/// Holes of the picture that is hardest to prepare.
+const HOLES: usize = 5_000;
+
+/// Runs of a measurement at least, after one that is not counted.
+const FEWEST_RUNS: usize = 7;
+
+/// Runs of a measurement at most.
+const MOST_RUNS: usize = 100;
+
+/// How long a measurement goes on when it has its fewest runs.
+const LONG_ENOUGH: Duration = Duration::from_millis(700);
+
+/// Points that are mapped in double precision, and pixels of a tree for which they stand.
+const EXACT_POINTS: usize = 2_000;
+const TREE_PIXELS: f64 = 530_000.0;
+
+/// What others need for a piece of work.
+struct Baseline {
+    what: &'static str,
+    ms: f64,
+}
+
+const PAPER_TREE: Baseline = Baseline {
+    what: "Tree Variations (2017): 8 to 12 s a tree",
+    ms: 8_000.0,
+};
+const PAPER_SEGMENTATION: Baseline = Baseline {
+    what: "Tree Variations (2017): 15.5 s for segmentation alone",
+    ms: 15_500.0,
+};
+const CGAL: Baseline = Baseline {
+    what: "CGAL 5.5: 0.5 s for the coordinates of a tree's pixels",
+    ms: 500.0,
+};
+const PLAIN_KERNEL: Baseline = Baseline {
+    what: "a plain AVX kernel, every pixel mapped: 25 to 45 ms",
+    ms: 25.0,
+};
+
+/// One measurement.
+struct Row {
+    name: &'static str,
+    median_ms: f64,
+    min_ms: f64,
+    runs: usize,
+    target_ms: Option<f64>,
+    baseline: Option<Baseline>,
+}
+
+impl Job for Flags {
+    fn stages(&self) -> Stages {
+        &[("bench", 1.0)]
+    }
+
+    fn run(&self, session: &Session<'_>) -> Result<(), Failure> {
+        let stage = session.progress.stage("bench", 1);
+        let rows = rows(session.cancel)?;
+        drop(stage);
+        if session.options.json {
+            return session.print_json(|| {
+                json!({"results": rows.iter().map(Row::json).collect::<Vec<_>>(), "machine": machine()})
+            });
+        }
+        let mut table = format!(
+            "{:<34} {:>10} {:>10} {:>10} {:>8}  baseline\n",
+            "ms", "median", "min", "target", "ratio"
+        );
+        for row in &rows {
+            table.push_str(&row.line());
+        }
+        write!(std::io::stdout(), "{table}")
+            .map_err(|error| Failure::Environment(format!("stdout: cannot be written: {error}")))
+    }
+}
+
+/// All measurements.
+fn rows(cancel: &Cancel) -> Result<Vec<Row>, Failure> {
+    let pictures = PAIR.map(|name| picture(name));
+    let [Some(first), Some(second)] = pictures else {
+        return Err(Failure::Environment("a built-in sample is missing".into()));
+    };
+    let mut rows = Vec::new();
+    for size in [1024, 512] {
+        let pair = [
+            prepared(&first, size, cancel)?,
+            prepared(&second, size, cancel)?,
+        ];
+        rows.extend(synthesis_rows(&pair, size, cancel)?);
+    }
+    let hard = punched_disc();
+    let preparation = [
+        ("preparation, oak", &first),
+        ("preparation, 5,000 contours", &hard),
+    ];
+    for (name, picture) in preparation {
+        let row = measured(name, cancel, || prepared(picture, 1024, cancel).map(drop))?;
+        rows.push(row.target(150.0).against(PAPER_SEGMENTATION));
+    }
+    Ok(rows)
+}
+
+/// The measurements on two exemplars of `size` pixels.
+fn synthesis_rows(pair: &[Exemplar; 2], size: u32, cancel: &Cancel) -> Result<Vec<Row>, Failure> {
+    let layout_of = |colors: [f64; 2]| {
+        let shapes = [0, 1].map(|i| (&pair[i].shape, 0.5, colors[i]));
+        Layout::new(&shapes).map_err(|error| Failure::Environment(error.to_string()))
+    };
+    let synthesis = |layout: &Layout, colors: [f64; 2]| {
+        let sources = [0, 1].map(|i| Source {
+            exemplar: &pair[i],
+            contour_weight: 0.5,
+            color_weight: colors[i],
+        });
+        synthesized(layout, &sources, WarpPrecision::Interpolated, cancel)
+    };
+    let layout = layout_of([0.5, 0.5])?;
+    if size != 1024 {
+        let small = measured("synthesis 512, two exemplars", cancel, || {
+            synthesis(&layout, [0.5, 0.5]).map(drop)
+        })?;
+        return Ok(vec![small.target(12.0)]);
+    }
+    let mut rows = Vec::new();
+    let large = measured("synthesis 1024, two exemplars", cancel, || {
+        synthesis(&layout, [0.5, 0.5]).map(drop)
+    })?;
+    rows.push(large.target(40.0).against(PAPER_TREE));
+    let one = measured("synthesis 1024, colours of one", cancel, || {
+        synthesis(&layout, [1.0, 0.0]).map(drop)
+    })?;
+    rows.push(one.against(PLAIN_KERNEL));
+    rows.push(exact_row(&layout, cancel)?);
+    let planning = measured("layout and distortion of a pair", cancel, || {
+        layout_of([0.5, 0.5]).map(drop)
+    })?;
+    rows.push(planning.target(1.0));
+    let tree = synthesis(&layout, [0.5, 0.5])?.image.straight();
+    let other = pair[1].image.straight();
+    rows.push(measured("histogram transfer", cancel, || {
+        let transfer = Transfer::between(&Histogram::of(&tree), &Histogram::of(&other));
+        black_box(tree.map(|&pixel| transfer.applied(pixel)));
+        Ok::<(), Failure>(())
+    })?);
+    rows.push(measured("PNG encoding, fast", cancel, || {
+        black_box(encode_png(&tree, Compression::Fast));
+        Ok::<(), Failure>(())
+    })?);
+    Ok(rows)
+}
+
+/// One plain map of all pixels of a tree in double precision, reckoned from some of them.
+fn exact_row(layout: &Layout, cancel: &Cancel) -> Result<Row, Failure> {
+    let warp = &layout.warps[0];
+    let side = f64::from(layout.size);
+    let mut random = Seed(1).random();
+    let points: Vec<Point> = (0..EXACT_POINTS)
+        .map(|_| Point::new(random.between(0.0, side), random.between(0.0, side)))
+        .collect();
+    let mut row = measured("exact coordinates of 530,000 pixels", cancel, || {
+        let sum: Point = points.iter().map(|&point| warp.position(point)).sum();
+        black_box(sum);
+        Ok::<(), Failure>(())
+    })?;
+    let scale = TREE_PIXELS / EXACT_POINTS as f64 / warp.steps() as f64;
+    row.median_ms *= scale;
+    row.min_ms *= scale;
+    Ok(row.against(CGAL))
+}
+
+/// Times `work`.
+fn measured<E: Into<Failure>>(
+    name: &'static str,
+    cancel: &Cancel,
+    mut work: impl FnMut() -> Result<(), E>,
+) -> Result<Row, Failure> {
+    work().map_err(Into::into)?;
+    let begin = Instant::now();
+    let mut times = Vec::new();
+    while times.len() < FEWEST_RUNS || (times.len() < MOST_RUNS && begin.elapsed() < LONG_ENOUGH) {
+        cancel.check()?;
+        let start = Instant::now();
+        work().map_err(Into::into)?;
+        times.push(start.elapsed().as_secs_f64() * 1e3);
+    }
+    times.sort_by(f64::total_cmp);
+    Ok(Row {
+        name,
+        median_ms: times[times.len() / 2],
+        min_ms: times[0],
+        runs: times.len(),
+        target_ms: None,
+        baseline: None,
+    })
+}
+
+impl Row {
+    fn target(self, ms: f64) -> Self {
+        Self {
+            target_ms: Some(ms),
+            ..self
+        }
+    }
+
+    fn against(self, baseline: Baseline) -> Self {
+        Self {
+            baseline: Some(baseline),
+            ..self
+        }
+    }
+
+    /// How many times longer the baseline takes.
+    fn ratio(&self) -> Option<f64> {
+        self.baseline.as_ref().map(|b| b.ms / self.median_ms)
+    }
+
+    fn json(&self) -> Value {
+        let baseline = self
+            .baseline
+            .as_ref()
+            .map(|b| json!({"what": b.what, "ms": b.ms}));
+        json!({
+            "name": self.name,
+            "median_ms": self.median_ms,
+            "min_ms": self.min_ms,
+            "runs": self.runs,
+            "target_ms": self.target_ms,
+            "baseline": baseline,
+            "ratio": self.ratio(),
+        })
+    }
+
+    fn line(&self) -> String {
+        let number = |value: Option<f64>, decimals: usize| {
+            value.map_or_else(String::new, |value| format!("{value:.decimals$}"))
+        };
+        format!(
+            "{:<34} {:>10.2} {:>10.2} {:>10} {:>8}  {}\n",
+            self.name,
+            self.median_ms,
+            self.min_ms,
+            number(self.target_ms, 0),
+            number(self.ratio(), 1),
+            self.baseline.as_ref().map_or("", |b| b.what),
+        )
+    }
+}
+
+fn machine() -> Value {
+    json!({
+        "cores": std::thread::available_parallelism().map_or(1, usize::from),
+        "threads": rayon::current_num_threads(),
+        "arch": std::env::consts::ARCH,
+        "os": std::env::consts::OS,
+        "optimized": !cfg!(debug_assertions),
+    })
+}
+
+/// The picture of the built-in sample of this name.
+fn picture(name: &str) -> Option<Image<Straight>> {
+    let sample = samples().iter().find(|sample| sample.name() == name)?;
+    read_image_from_memory(sample.bundled(), Path::new(name), ReadLimits::default()).ok()
+}
+
+fn prepared(picture: &Image<Straight>, size: u32, cancel: &Cancel) -> Result<Exemplar, Failure> {
+    let settings = ExemplarSettings {
+        size,
+        ..ExemplarSettings::default()
+    };
+    Exemplar::prepare(picture, &settings, &Classical, Progress::silent(), cancel).map_err(failure)
+}
+
+fn failure(error: ExemplarError) -> Failure {
+    match error {
+        ExemplarError::Segment(SegmentError::Cancelled(cancelled)) => cancelled.into(),
+        other => Failure::Environment(other.to_string()),
+    }
+}
+
+/// A disc of leaves with [`HOLES`] holes that do not touch.
+fn punched_disc() -> Image<Straight> {
+    const SIDE: u32 = 1024;
+    const CELL: u32 = 12;
+    let mut random = Seed(5).random();
+    let mut image = Image::filled(SIDE, SIDE, Straight::default());
+    let inside = |x: u32, y: u32, radius: f64| {
+        Point::new(f64::from(x), f64::from(y)).distance(Point::splat(512.0)) < radius
+    };
+    for y in 0..SIDE {
+        for x in (0..SIDE).filter(|&x| inside(x, y, 511.0)) {
+            image.set(x, y, Straight([40, 90 + random.below(60) as u8, 30, 255]));
+        }
+    }
+    let cells = SIDE / CELL;
+    let mut left = HOLES;
+    for (row, column) in (0..cells).flat_map(|row| (0..cells).map(move |c| (row, c))) {
+        let mut jitter = || 2 + random.below(6) as u32;
+        let (x, y) = (column * CELL + jitter(), row * CELL + jitter());
+        if left > 0 && inside(x, y, 500.0) {
+            left -= 1;
+            for (dx, dy) in (0..9).map(|i| (i % 3, i / 3)) {
+                image.set(x + dx, y + dy, Straight::default());
+            }
+        }
+    }
+    image
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contour::outlines;
+
+    #[test]
+    fn the_punched_disc_has_as_many_contours_as_promised() {
+        let mask = punched_disc().map(|pixel| pixel.alpha() > 127);
+        assert_eq!(outlines(&mask).all.len(), HOLES + 1);
+    }
+}

@@ -17,12 +17,15 @@ mod failure;
 mod input;
 mod inspect;
 mod items;
+mod morph;
 mod options;
 mod output;
 mod reporter;
+mod samples;
 mod segment;
 mod session;
 mod stamp;
+mod table;
 mod usage;
 
 use crate::base::{Cancel, Progress, with_threads};
@@ -49,14 +52,20 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Inspect(inspect::Flags),
+    Morph(morph::Flags),
+    Samples(samples::Flags),
     Segment(segment::Flags),
+    Table(table::Flags),
 }
 
 impl Command {
     fn job(&self) -> &dyn Job {
         match self {
             Self::Inspect(flags) => flags,
+            Self::Morph(flags) => flags,
+            Self::Samples(flags) => flags,
             Self::Segment(flags) => flags,
+            Self::Table(flags) => flags,
         }
     }
 }

@@ -9,6 +9,10 @@ mod font;
 mod overlay;
 mod paint;
 mod scene;
+mod silhouette;
+mod table;
 
 pub use contact::{Cell, contact_sheet};
 pub use overlay::{Overlay, overlay};
+pub use silhouette::silhouette;
+pub use table::table_sheet;

@@ -14,7 +14,7 @@ const BASELINE: Rgba = [243, 146, 0, 255];
 const WHITE: Rgba = [255, 255, 255, 255];
 
 /// How much of the tree's own opacity is left under the lines.
-const TREE_OPACITY: f64 = 0.5;
+const TREE_OPACITY: f64 = 0.62;
 
 /// What to draw; all coordinates are pixels of [`Overlay::image`].
 #[derive(Debug, Clone, Copy)]

@@ -91,11 +91,11 @@ impl Task {
             (kept.width(), kept.height())
         } else {
             let (image, labels) = self.grown(height, session)?;
-            let png = encode_png(&image, Compression::Small);
+            let png = encode_png(&image, Compression::Fast);
             session.cancel.check()?;
             session.output.write_item(&self.image, png, recipe)?;
             if let Some((path, labels)) = self.labels.as_ref().zip(labels) {
-                let png = encode_grey_png(&labels, Compression::Small);
+                let png = encode_grey_png(&labels, Compression::Fast);
                 session.output.write_item(path, png, recipe)?;
             }
             (image.width(), image.height())

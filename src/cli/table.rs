@@ -64,13 +64,11 @@ impl Job for Flags {
         session.output.check([out])?;
         let files = spread(picture_files(&self.library)?, self.limit.into());
         let trees = self.prepared(&files, session)?;
-        let cells = crossings(&trees, self.kind, session)?;
+        let (images, distortion) = crossings(&trees, self.kind, session)?;
         let stage = session.progress.stage("sheet", 1);
         let originals: Vec<Image<Premultiplied>> =
             trees.iter().map(|tree| tree.shown(self.kind)).collect();
         let heads: Vec<&Image<Premultiplied>> = originals.iter().collect();
-        let images: Vec<Option<Image<Premultiplied>>> =
-            cells.iter().map(|cell| cell.image.clone()).collect();
         let sheet = table_sheet(&heads, &heads, &images, CELL_PX);
         session.cancel.check()?;
         session
@@ -79,13 +77,12 @@ impl Job for Flags {
         drop(stage);
         session.print_json(|| {
             let files: Vec<String> = trees.iter().map(|t| t.file.display().to_string()).collect();
-            let cells: Vec<Value> = cells.iter().map(|cell| cell.distortion.clone()).collect();
             json!({
                 "file": out.display().to_string(),
                 "width": sheet.width(),
                 "height": sheet.height(),
                 "exemplars": files,
-                "distortion": cells.chunks(trees.len()).collect::<Vec<_>>(),
+                "distortion": distortion.chunks(trees.len()).collect::<Vec<_>>(),
                 "seconds": session.seconds(),
             })
         })
@@ -154,24 +151,26 @@ fn spread(files: Vec<PathBuf>, limit: usize) -> Vec<PathBuf> {
         .collect()
 }
 
-/// A cell of the table.
-struct Crossing {
-    image: Option<Image<Premultiplied>>,
-    distortion: Value,
-}
+/// What a cell shows, `None` where nothing could be made, and its distortion.
+type Crossing = (Option<Image<Premultiplied>>, Value);
 
-/// All cells, row by row.
-fn crossings(trees: &[Tree], kind: Kind, session: &Session<'_>) -> Result<Vec<Crossing>, Failure> {
+/// Pictures and distortions of all cells, row by row.
+fn crossings(
+    trees: &[Tree],
+    kind: Kind,
+    session: &Session<'_>,
+) -> Result<(Vec<Option<Image<Premultiplied>>>, Vec<Value>), Failure> {
     let count = trees.len();
     let stage = session.progress.stage("cells", (count * count) as u64);
-    (0..count * count)
+    let cells: Vec<Crossing> = (0..count * count)
         .into_par_iter()
         .map(|index| {
             let crossing = crossing(&trees[index / count], &trees[index % count], kind, session);
             stage.advance();
             crossing
         })
-        .collect()
+        .collect::<Result<_, Failure>>()?;
+    Ok(cells.into_iter().unzip())
 }
 
 fn crossing(
@@ -182,10 +181,7 @@ fn crossing(
 ) -> Result<Crossing, Failure> {
     session.cancel.check()?;
     if std::ptr::eq(row, column) {
-        return Ok(Crossing {
-            image: Some(row.shown(kind)),
-            distortion: Value::Null,
-        });
+        return Ok((Some(row.shown(kind)), Value::Null));
     }
     let shapes = [
         (&row.exemplar.shape, ROW_WEIGHT, 1.0),
@@ -195,23 +191,16 @@ fn crossing(
         Ok(layout) => layout,
         Err(error) => {
             let (row, column) = (row.file.display(), column.file.display());
-            session
-                .progress
-                .warn(&format!("{row} and {column}: {error}"));
-            return Ok(Crossing {
-                image: None,
-                distortion: Value::Null,
-            });
+            let warning = format!("{row} and {column}: {error}");
+            session.progress.warn(&warning);
+            return Ok((None, Value::Null));
         }
     };
     let image = match kind {
         Kind::Contours => silhouette(&layout.contour.points, PICTURE_PX),
         Kind::Images => poured(&layout, row, column, session)?,
     };
-    Ok(Crossing {
-        image: Some(image),
-        distortion: json!(layout.distortion),
-    })
+    Ok((Some(image), json!(layout.distortion)))
 }
 
 /// The picture of `row` in the outline of `layout`.

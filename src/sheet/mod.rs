@@ -2,7 +2,7 @@
 //!
 //! Plain pixels, drawn with `tiny-skia`: the same bits on every machine, no window needed.
 //!
-//! Imports `raster`, `geometry`, `contour`, `variation`.
+//! Imports `raster`, `geometry`, `contour`.
 
 mod contact;
 mod font;

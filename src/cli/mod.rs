@@ -20,16 +20,19 @@ mod input;
 mod inspect;
 mod items;
 mod library;
+mod morph;
 mod options;
 mod output;
 mod polygons;
 mod recolor;
 mod records;
 mod reporter;
+mod samples;
 mod segment;
 mod session;
 mod sheets;
 mod stamp;
+mod table;
 mod usage;
 mod vary;
 mod vary_again;
@@ -60,7 +63,10 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Vary(Box<vary::Flags>),
+    Morph(morph::Flags),
+    Table(table::Flags),
     Demo(demo::Flags),
+    Samples(samples::Flags),
     Inspect(inspect::Flags),
     Segment(segment::Flags),
     Warp(warp::Flags),
@@ -72,7 +78,10 @@ impl Command {
     fn job(&self) -> &dyn Job {
         match self {
             Self::Vary(flags) => flags.as_ref(),
+            Self::Morph(flags) => flags,
+            Self::Table(flags) => flags,
             Self::Demo(flags) => flags,
+            Self::Samples(flags) => flags,
             Self::Inspect(flags) => flags,
             Self::Segment(flags) => flags,
             Self::Warp(flags) => flags,

@@ -2,13 +2,17 @@
 //!
 //! Plain pixels, drawn with `tiny-skia`: the same bits on every machine, no window needed.
 //!
-//! Imports `raster`, `geometry`, `contour`, `variation`.
+//! Imports `raster`, `geometry`, `contour`.
 
 mod contact;
 mod font;
 mod overlay;
 mod paint;
 mod scene;
+mod silhouette;
+mod table;
 
 pub use contact::{Cell, contact_sheet};
 pub use overlay::{Overlay, overlay};
+pub use silhouette::silhouette;
+pub use table::table_sheet;

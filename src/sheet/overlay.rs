@@ -5,8 +5,8 @@ use crate::contour::{Outlines, Pins};
 use crate::geometry::Point;
 use crate::raster::{Image, Premultiplied, Straight};
 
-const GROUND: Rgba = [233, 231, 227, 255];
-const BORDER: Rgba = [120, 118, 114, 255];
+const GROUND: Rgba = [206, 204, 200, 255];
+const BORDER: Rgba = [104, 102, 98, 255];
 const LONGEST: Rgba = [24, 24, 26, 255];
 const CONTOUR: Rgba = [0, 196, 222, 255];
 const CAGE: Rgba = [222, 48, 40, 255];
@@ -14,7 +14,7 @@ const BASELINE: Rgba = [243, 146, 0, 255];
 const WHITE: Rgba = [255, 255, 255, 255];
 
 /// How much of the tree's own opacity is left under the lines.
-const TREE_OPACITY: f64 = 0.5;
+const TREE_OPACITY: f64 = 0.62;
 
 /// What to draw; all coordinates are pixels of [`Overlay::image`].
 #[derive(Debug, Clone, Copy)]

@@ -1,5 +1,4 @@
-//! Tree pictures as commands take them: settings of preparation as flags, pictures prepared,
-//! folders listed.
+//! Tree pictures as commands take them: settings of preparation as flags, pictures prepared.
 
 use super::failure::Failure;
 use super::input::PictureFile;
@@ -8,7 +7,7 @@ use crate::base::{Digest, Hasher};
 use crate::segment::{SegmentError, Segmenter};
 use crate::variation::{Exemplar, ExemplarError, ExemplarSettings};
 use clap::Args;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// How pictures are prepared.
 #[derive(Debug, Clone, Args)]
@@ -115,31 +114,4 @@ pub(super) fn refused(path: &Path, error: ExemplarError) -> Failure {
         ExemplarError::Segment(SegmentError::Cancelled(cancelled)) => cancelled.into(),
         error => Failure::of(path.display(), error),
     }
-}
-
-/// The picture files of `folder` by their extensions, in the order of their names; files whose
-/// name begins with a dot are left out.
-///
-/// # Errors
-/// [`Failure::BadInput`] when the folder cannot be listed.
-pub(super) fn picture_files(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
-    const EXTENSIONS: [&str; 9] = [
-        "png", "jpg", "jpeg", "webp", "tga", "tif", "tiff", "bmp", "dds",
-    ];
-    let refused = |error: std::io::Error| Failure::of(folder.display(), error);
-    let mut files = Vec::new();
-    for entry in std::fs::read_dir(folder).map_err(refused)? {
-        let entry = entry.map_err(refused)?;
-        let path = entry.path();
-        let is_picture = path.extension().is_some_and(|extension| {
-            let mut known = EXTENSIONS.iter();
-            known.any(|known| extension.eq_ignore_ascii_case(known))
-        });
-        let is_hidden = entry.file_name().as_encoded_bytes().starts_with(b".");
-        if is_picture && !is_hidden && path.is_file() {
-            files.push(path);
-        }
-    }
-    files.sort();
-    Ok(files)
 }

@@ -51,11 +51,12 @@ pub(super) fn picture_files(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
             .unwrap_or_default()
             .to_string_lossy()
             .to_lowercase();
+        let is_hidden = entry_is_hidden(&path);
         // Label pictures lie beside the pictures they belong to.
         let is_labels = path
             .file_stem()
             .is_some_and(|stem| stem.to_string_lossy().ends_with(".labels"));
-        if ENDINGS.contains(&ending.as_str()) && !is_labels && path.is_file() {
+        if ENDINGS.contains(&ending.as_str()) && !is_labels && !is_hidden && path.is_file() {
             files.push(path);
         }
     }
@@ -67,6 +68,12 @@ pub(super) fn picture_files(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
     }
     files.sort();
     Ok(files)
+}
+
+/// Whether the file's name begins with a dot.
+fn entry_is_hidden(path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default();
+    name.as_encoded_bytes().starts_with(b".")
 }
 
 /// Opens the pictures in `files` as a library, warning of those that cannot be used.

@@ -3,48 +3,52 @@
 use super::failure::Failure;
 use super::session::Session;
 use crate::raster::{
-    Compression, Image, ReadLimits, Rect, Straight, encode_png, read_image, resized,
+    Compression, Image, Premultiplied, ReadLimits, Rect, encode_png, read_image, resized,
 };
+use crate::sheet::{Cell, contact_sheet};
 use std::path::{Path, PathBuf};
 
 /// Side of a picture on a sheet, in pixels.
 const CELL_PX: u32 = 256;
 
+/// Pictures on a sheet at most; of more, some evenly spread. Beyond, a sheet is too large to look at.
+const MOST: usize = 200;
+
 /// Draws the pictures in `files` on one sheet and writes it to `path`.
+///
+/// # Errors
+/// [`Failure`] when a picture cannot be read back, the sheet cannot be written, or on cancellation.
 pub(super) fn draw(files: &[PathBuf], path: &Path, session: &Session<'_>) -> Result<(), Failure> {
-    let stage = session.progress.stage("sheet", files.len() as u64);
-    let columns = ((files.len() as f64 * 1.5).sqrt().ceil() as u32).max(1);
-    let rows = (files.len() as u32).div_ceil(columns).max(1);
-    let mut sheet = Image::filled(
-        columns * CELL_PX,
-        rows * CELL_PX,
-        Straight([200, 204, 208, 255]),
-    );
-    for (index, file) in (0u32..).zip(files) {
-        session.cancel.check()?;
-        let image = read_image(file, ReadLimits::default())?.premultiplied();
-        let all = Rect {
-            x: 0,
-            y: 0,
-            width: image.width(),
-            height: image.height(),
-        };
-        let small = resized(&image, all, CELL_PX, CELL_PX);
-        let (left, top) = (index % columns * CELL_PX, index / columns * CELL_PX);
-        for y in 0..CELL_PX {
-            for x in 0..CELL_PX {
-                let [r, g, b, a] = small.at(x, y).0;
-                let under = sheet.at(left + x, top + y).0;
-                let over = |own: u8, under: u8| {
-                    own + (u32::from(under) * (255 - u32::from(a)) / 255) as u8
-                };
-                let pixel = [over(r, under[0]), over(g, under[1]), over(b, under[2]), 255];
-                sheet.set(left + x, top + y, Straight(pixel));
-            }
-        }
-        stage.advance();
-    }
+    let shown = files.len().min(MOST);
+    let stage = session.progress.stage("sheet", shown as u64);
+    let trees: Vec<Image<Premultiplied>> = (0..shown)
+        .map(|i| {
+            session.cancel.check()?;
+            let tree = small(&files[i * files.len() / shown])?;
+            stage.advance();
+            Ok(tree)
+        })
+        .collect::<Result<_, Failure>>()?;
+    let cells: Vec<Cell<'_>> = trees.iter().map(Cell::new).collect();
+    // Half again as wide as high.
+    let columns = (shown as f64 * 1.5).sqrt().ceil() as usize;
+    let sheet = contact_sheet(&cells, columns.max(1), CELL_PX);
     session
         .output
         .write(path, &encode_png(&sheet, Compression::Fast))
+}
+
+/// The picture in `file`, no larger than a cell.
+fn small(file: &Path) -> Result<Image<Premultiplied>, Failure> {
+    let image = read_image(file, ReadLimits::default())?.premultiplied();
+    let (width, height) = (image.width(), image.height());
+    let whole = Rect {
+        x: 0,
+        y: 0,
+        width,
+        height,
+    };
+    let scale = (f64::from(CELL_PX) / f64::from(width.max(height))).min(1.0);
+    let side = |pixels: u32| ((f64::from(pixels) * scale).round() as u32).max(1);
+    Ok(resized(&image, whole, side(width), side(height)))
 }

@@ -1,7 +1,8 @@
 //! `boscage table`: a folder of trees → each crossed with every other, on one sheet.
 
-use super::exemplars::{picture_files, prepared};
+use super::exemplars::prepared;
 use super::failure::Failure;
+use super::library::picture_files;
 use super::session::Session;
 use super::{Job, Stages};
 use crate::raster::{Compression, Image, Premultiplied, encode_png};

@@ -107,7 +107,7 @@ impl Job for Flags {
 
 /// All measurements.
 fn rows(cancel: &Cancel) -> Result<Vec<Row>, Failure> {
-    let pictures = PAIR.map(|name| picture(name));
+    let pictures = PAIR.map(picture);
     let [Some(first), Some(second)] = pictures else {
         return Err(Failure::Environment("a built-in sample is missing".into()));
     };

@@ -81,38 +81,46 @@ pub fn labelled_components(mask: &Mask) -> Image<u32> {
 /// This is how the outline of a synthetic tree becomes its mask, robust against an outline that
 /// crosses itself (Argudo, Andújar & Chica 2017, *Tree Variations*, §5.1).
 pub fn flooded_from_outside(barrier: &Mask) -> Mask {
-    let (width, height) = (barrier.width(), barrier.height());
-    let mut kept = Image::filled(width, height, true);
-    let mut stack = Vec::new();
-    let visit = |x: u32, y: u32, kept: &mut Mask, stack: &mut Vec<(u32, u32)>| {
-        if kept.at(x, y) && !barrier.at(x, y) {
-            kept.set(x, y, false);
-            stack.push((x, y));
-        }
-    };
+    let (width, height) = (barrier.width() as usize, barrier.height() as usize);
+    // What the flood cannot enter: the barrier, and where it has been.
+    let mut closed = barrier.clone();
+    let mut kept = Image::filled(barrier.width(), barrier.height(), true);
+    let mut seeds: Vec<(usize, usize)> = Vec::new();
     for x in 0..width {
-        visit(x, 0, &mut kept, &mut stack);
-        visit(x, height - 1, &mut kept, &mut stack);
+        seeds.extend([(x, 0), (x, height - 1)]);
     }
     for y in 0..height {
-        visit(0, y, &mut kept, &mut stack);
-        visit(width - 1, y, &mut kept, &mut stack);
+        seeds.extend([(0, y), (width - 1, y)]);
     }
-    while let Some((x, y)) = stack.pop() {
-        if x > 0 {
-            visit(x - 1, y, &mut kept, &mut stack);
+    while let Some((x, y)) = seeds.pop() {
+        let row = closed.row_mut(y as u32);
+        if row[x] {
+            continue;
         }
-        if x + 1 < width {
-            visit(x + 1, y, &mut kept, &mut stack);
-        }
-        if y > 0 {
-            visit(x, y - 1, &mut kept, &mut stack);
-        }
-        if y + 1 < height {
-            visit(x, y + 1, &mut kept, &mut stack);
+        // The whole run of open pixels around the seed at once.
+        let is_closed = |closed: &bool| *closed;
+        let first = row[..x].iter().rposition(is_closed).map_or(0, |i| i + 1);
+        let end = row[x..].iter().position(is_closed).map_or(width, |i| x + i);
+        row[first..end].fill(true);
+        kept.row_mut(y as u32)[first..end].fill(false);
+        for next in [y.wrapping_sub(1), y + 1] {
+            if next < height {
+                seed_runs(closed.row(next as u32), first, end, next, &mut seeds);
+            }
         }
     }
     kept
+}
+
+/// Adds to `seeds` the first pixel of each open run between the columns `first` and `end` of `row`.
+fn seed_runs(row: &[bool], first: usize, end: usize, y: usize, seeds: &mut Vec<(usize, usize)>) {
+    let mut before = true;
+    for (x, &closed) in row.iter().enumerate().take(end).skip(first) {
+        if before && !closed {
+            seeds.push((x, y));
+        }
+        before = closed;
+    }
 }
 
 fn into_gray_image(image: Image<u8>) -> image::GrayImage {

@@ -152,15 +152,18 @@ fn spread(files: Vec<PathBuf>, limit: usize) -> Vec<PathBuf> {
         .collect()
 }
 
-/// What a cell shows, `None` where nothing could be made, and its distortion.
-type Crossing = (Option<Image<Premultiplied>>, Value);
+/// What a cell shows; `None` where nothing could be made.
+type Shown = Option<Image<Premultiplied>>;
+
+/// What a cell shows, and its distortion.
+type Crossing = (Shown, Value);
 
 /// Pictures and distortions of all cells, row by row.
 fn crossings(
     trees: &[Tree],
     kind: Kind,
     session: &Session<'_>,
-) -> Result<(Vec<Option<Image<Premultiplied>>>, Vec<Value>), Failure> {
+) -> Result<(Vec<Shown>, Vec<Value>), Failure> {
     let count = trees.len();
     let stage = session.progress.stage("cells", (count * count) as u64);
     let cells: Vec<Crossing> = (0..count * count)

@@ -30,9 +30,9 @@ pub(super) fn draw(files: &[PathBuf], path: &Path, session: &Session<'_>) -> Res
         })
         .collect::<Result<_, Failure>>()?;
     let cells: Vec<Cell<'_>> = trees.iter().map(Cell::new).collect();
-    // Half again as wide as high.
-    let columns = (shown as f64 * 1.5).sqrt().ceil() as usize;
-    let sheet = contact_sheet(&cells, columns.max(1), CELL_PX);
+    // About half again as wide as high, and rows as even as can be.
+    let rows = (shown as f64 / 1.5).sqrt().round().max(1.0) as usize;
+    let sheet = contact_sheet(&cells, shown.div_ceil(rows), CELL_PX);
     session
         .output
         .write(path, &encode_png(&sheet, Compression::Fast))

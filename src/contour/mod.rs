@@ -13,5 +13,5 @@ mod pinned;
 mod pins;
 
 pub use outline::{Outline, Outlines, filled, outlines};
-pub use pinned::{CROWN_SHARE, PinnedContour, TRUNK_SHARE};
+pub use pinned::{CROWN_SHARE, FOOT_SHARE, PinnedContour, TRUNK_SHARE};
 pub use pins::{Pins, pins};

@@ -10,6 +10,10 @@ pub const TRUNK_SHARE: f64 = 0.1;
 /// Share of the points that the crown gets: 1,600 of 2,000 (TV §4.5).
 pub const CROWN_SHARE: f64 = 0.8;
 
+/// Share of the points of a trunk's side that lie under its foot, see
+/// [`PinnedContour::with_feet`]: 3 of the 10 that a cage has there.
+pub const FOOT_SHARE: f64 = 0.3;
+
 /// A contour resampled between its pins: point i of one tree matches point i of every other.
 ///
 /// Order: B, right side of the trunk up to R, crown from R over the top to L, left side of the
@@ -51,6 +55,33 @@ impl PinnedContour {
         }
     }
 
+    /// Like [`PinnedContour::resampled`], with the corners of the trunk's foot among the points:
+    /// [`FOOT_SHARE`] of each side goes from B to the corner, the rest up the trunk.
+    ///
+    /// Departure from the paper: with a hundred points a corner is met at another index on a short
+    /// trunk than on a tall one, and every combination of the two stands on a point.
+    pub fn with_feet(contour: &[Point], pins: Pins, count: usize) -> Self {
+        let mut resampled = Self::resampled(contour, pins, count);
+        let side = resampled.pins.right;
+        let foot = (side as f64 * FOOT_SHARE).round() as usize;
+        if !pins.has_trunk() || foot == 0 {
+            return resampled;
+        }
+        let right = arc(contour, pins.bottom, pins.right);
+        let left = arc(contour, pins.left, pins.bottom);
+        if let Some(corner) = corner(&right, |p| p.x + p.y) {
+            let mut points = equal_chords(&right[..=corner], foot);
+            points.extend(equal_chords(&right[corner..], side - foot));
+            resampled.points[..side].copy_from_slice(&points);
+        }
+        if let Some(corner) = corner(&left, |p| p.y - p.x) {
+            let mut points = equal_chords(&left[..=corner], side - foot);
+            points.extend(equal_chords(&left[corner..], foot));
+            resampled.points[count - side..].copy_from_slice(&points);
+        }
+        resampled
+    }
+
     /// The contour Σ wᵢ·cᵢ of several contours of the same number of points (TV §5.1); its pins
     /// are those of the first one that has a trunk.
     ///
@@ -86,6 +117,13 @@ impl PinnedContour {
     pub fn right(&self) -> Point {
         self.points[self.pins.right]
     }
+}
+
+/// Index of the point of `path` that lies furthest out; `None` when that is one of its ends.
+fn corner(path: &[Point], outwards: impl Fn(Point) -> f64) -> Option<usize> {
+    let furthest =
+        (0..path.len()).max_by(|&a, &b| outwards(path[a]).total_cmp(&outwards(path[b])))?;
+    (0 < furthest && furthest + 1 < path.len()).then_some(furthest)
 }
 
 /// The part of a closed contour from index `from` to index `to`, both included; the whole of it,
@@ -125,6 +163,33 @@ mod tests {
         assert_eq!(contour.right(), Point::new(4.0, 8.0));
         assert_eq!(contour.left(), Point::new(-4.0, 8.0));
         assert_eq!((contour.pins.right, contour.pins.left), (10, 90));
+    }
+
+    #[test]
+    fn the_corners_of_the_foot_are_kept() {
+        // A trunk of 8 by 20 under a crown of 40 by 20.
+        let outline = [
+            (0.0, 40.0),
+            (4.0, 40.0),
+            (4.0, 20.0),
+            (20.0, 20.0),
+            (20.0, 0.0),
+            (-20.0, 0.0),
+            (-20.0, 20.0),
+            (-4.0, 20.0),
+            (-4.0, 40.0),
+        ]
+        .map(Point::from);
+        let pins = Pins {
+            bottom: 0,
+            right: 2,
+            left: 7,
+        };
+        let contour = PinnedContour::with_feet(&outline, pins, 100);
+        assert_eq!(contour.points.len(), 100);
+        assert_eq!(contour.points[3], Point::new(4.0, 40.0));
+        assert_eq!(contour.points[97], Point::new(-4.0, 40.0));
+        assert_eq!(contour.right(), Point::new(4.0, 20.0));
     }
 
     #[test]

@@ -230,7 +230,7 @@ fn cage(contour: &PinnedContour, mask: &Mask, settings: &ExemplarSettings) -> Pi
         .map(|point| point - offset)
         .collect();
     let pins = moved_pins(contour, &outer, radius);
-    PinnedContour::resampled(&outer, pins, settings.simplified)
+    PinnedContour::with_feet(&outer, pins, settings.simplified)
 }
 
 /// Adds to `inside` the parts of `mask` that a dilation by `radius` of both would join to it.

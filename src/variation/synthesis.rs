@@ -101,6 +101,18 @@ impl Layout {
             distortion,
         })
     }
+
+    /// The pixels that may belong to the tree: inside the cage or inside the outline. The cage has
+    /// few vertices and cuts corners, the foot of the trunk first of all; the outline has them.
+    fn inside(&self) -> Mask {
+        let (contour, cage) = (&self.contour.points, &self.cage.points);
+        let mut inside = filled(cage, Point::ZERO, self.size, self.size);
+        let outline = filled(contour, Point::ZERO, self.size, self.size);
+        for (inside, outlined) in inside.pixels_mut().iter_mut().zip(outline.pixels()) {
+            *inside |= outlined;
+        }
+        inside
+    }
 }
 
 /// Steps of the composite map between two cages of pictures of `size` pixels.
@@ -127,7 +139,7 @@ pub fn synthesized(
     cancel: &Cancel,
 ) -> Result<Variation, Cancelled> {
     let size = layout.size as usize;
-    let inside = filled(&layout.cage.points, Point::ZERO, layout.size, layout.size);
+    let inside = layout.inside();
     let mut pixels = vec![Premultiplied::default(); size * size];
     let mut labels = vec![Label::Background; size * size];
     pixels

@@ -10,7 +10,7 @@ use super::{Distortion, Layout, Shape};
 use crate::base::{Random, Seed};
 use serde::{Deserialize, Serialize};
 
-/// Draws for one tree at most. With the 39 real trees 2 to 3 are needed.
+/// Draws for one tree at most; with the 39 real trees some five are needed.
 const DRAWS: u64 = 24;
 
 /// Largest difference in density, 0 to 1, of trees that are mixed: a bare tree (0.6) is not mixed
@@ -123,7 +123,7 @@ pub fn chosen(
                 continue;
             }
         };
-        let good = chosen.layout.distortion.is_small();
+        let good = FINE.hold(&chosen.layout.distortion);
         let penalty = |chosen: &Chosen| chosen.layout.distortion.penalty();
         if best
             .as_ref()
@@ -250,24 +250,45 @@ fn picked(weights: &[f64], random: &mut Random) -> usize {
     weights.len() - 1
 }
 
-impl Distortion {
-    /// Area that may be folded, stretch at the 95th percentile, and area that may be smeared, of a
-    /// tree that is fit to be seen. Beyond them fans and streaks show at arm's length (looked at on
-    /// 120 pairs of real trees).
-    const FOLDED: f64 = 0.004;
-    const STRETCH: f64 = 2.2;
-    const SMEARED: f64 = 0.06;
+/// Bounds of a distortion.
+struct Bounds {
+    folded: f64,
+    stretch: f64,
+    smeared: f64,
+}
 
+/// What ends the search for a better draw: no streak shows at full size.
+const FINE: Bounds = Bounds {
+    folded: 0.001,
+    stretch: 1.7,
+    smeared: 0.02,
+};
+
+/// What is fit to be seen: beyond, fans and streaks show at arm's length (looked at on 120 pairs of
+/// real trees), and the user is warned.
+const FIT: Bounds = Bounds {
+    folded: 0.004,
+    stretch: 2.2,
+    smeared: 0.06,
+};
+
+impl Bounds {
+    fn hold(&self, found: &Distortion) -> bool {
+        found.folded <= self.folded
+            && found.stretch <= self.stretch
+            && found.smeared <= self.smeared
+    }
+}
+
+impl Distortion {
     /// Whether a tree so distorted is fit to be seen.
     pub fn is_small(&self) -> bool {
-        self.folded <= Self::FOLDED
-            && self.stretch <= Self::STRETCH
-            && self.smeared <= Self::SMEARED
+        FIT.hold(self)
     }
 
     /// One number to compare distortions by; the larger, the worse.
     pub fn penalty(&self) -> f64 {
-        self.folded / Self::FOLDED + self.stretch / Self::STRETCH + self.smeared / Self::SMEARED
+        self.folded / FIT.folded + self.stretch / FIT.stretch + self.smeared / FIT.smeared
     }
 }
 

@@ -155,7 +155,10 @@ fn spread<const N: usize>(raw: &mut [u8], count: usize, rgba: impl Fn([u8; N]) -
 }
 
 /// `image` turned as `orientation` tells to show it.
-fn upright(image: Image<Straight>, orientation: Orientation) -> Result<Image<Straight>, Refusal> {
+pub(super) fn upright(
+    image: Image<Straight>,
+    orientation: Orientation,
+) -> Result<Image<Straight>, Refusal> {
     let (width, height) = (image.width(), image.height());
     // Where the pixel shown at (x, y) is stored.
     let (right, bottom) = (width - 1, height - 1);

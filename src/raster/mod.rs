@@ -12,6 +12,7 @@ mod decode;
 mod envelope;
 mod image;
 mod mask;
+mod palette_tiff;
 mod read;
 mod rect;
 mod resample;

@@ -10,7 +10,7 @@
 //! that can go wrong becomes one line that says what and, where it helps, what to do.
 
 use super::envelope;
-use super::{Image, Straight, dds, decode};
+use super::{Image, Straight, dds, decode, palette_tiff};
 use crate::base::{FileError, one_line, read_limited, without_panics};
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -193,6 +193,8 @@ fn decoded(bytes: &[u8], path: &Path, limits: ReadLimits) -> Result<Image<Straig
     let check = |width, height| check_size(width, height, bytes.len() as u64, limits);
     without_panics(|| match format {
         PictureFormat::Dds => dds::decode(bytes, check),
+        PictureFormat::Tiff => palette_tiff::decode(bytes, check)
+            .unwrap_or_else(|| decode::decode(bytes, format, envelope, check)),
         _ => decode::decode(bytes, format, envelope, check),
     })
     .unwrap_or(Err(Refusal::Crashed { format }))

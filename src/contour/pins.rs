@@ -75,8 +75,9 @@ pub fn pins(contour: &[Point], baseline_y: Option<f64>, on_trunk: impl Fn(Point)
 }
 
 /// How far the contour may have left the trunk when it crosses the baseline, as a share of the
-/// trunk's height: the crown flares there by a tenth, a hanging branch reaches much further.
-const LARGEST_FLARE: f64 = 0.15;
+/// trunk's height: labels end a few pixels early, a twig or a hanging branch reaches further and
+/// would bulge the trunk of every mix.
+const LARGEST_FLARE: f64 = 0.04;
 
 /// Where a walk up one side of the trunk enters the crown.
 fn trunk_top(
@@ -92,7 +93,7 @@ fn trunk_top(
         let height = foot_y.get_or_insert(point.y).max(point.y) - baseline_y;
         if point.y <= baseline_y {
             let nearest = last_on_trunk.unwrap_or(index);
-            let strayed = contour[nearest].distance(point) > LARGEST_FLARE * height + 2.0;
+            let strayed = contour[nearest].distance(point) > LARGEST_FLARE * height + 3.0;
             return Some(if strayed { nearest } else { index });
         }
         if on_trunk(point) {

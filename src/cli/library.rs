@@ -19,7 +19,7 @@ pub(super) struct CacheFlags {
     #[arg(long, env = "BOSCAGE_CACHE", value_name = "DIR")]
     cache: Option<PathBuf>,
     /// Prepare every exemplar anew and keep nothing
-    #[arg(long, conflicts_with = "cache")]
+    #[arg(long)]
     no_cache: bool,
 }
 

@@ -17,7 +17,7 @@
 
 use super::mean_value::{Cage, CageError};
 use super::mix::MixTile;
-use super::warp::{TILE, Warp, WarpPrecision, WarpTile};
+use super::warp::{TILE, Warp, WarpPrecision, WarpTile, needed_pixels};
 use super::{Distortion, Exemplar, Shape};
 use crate::base::{Cancel, Cancelled, with_level_of_cpu};
 use crate::contour::{PinnedContour, filled};
@@ -207,22 +207,4 @@ impl Band<'_> {
             });
         }
     }
-}
-
-/// Which pixels of the tile at (`left`, `top`) are inside: bit x of row y.
-fn needed_pixels(inside: &Mask, left: usize, top: usize) -> [u32; TILE] {
-    let mut needed = [0; TILE];
-    let rows = (inside.height() as usize - top).min(TILE);
-    for (row, bits) in needed[..rows].iter_mut().enumerate() {
-        let pixels = &inside.row((top + row) as u32)[left..];
-        for (column, _) in pixels
-            .iter()
-            .take(TILE)
-            .enumerate()
-            .filter(|(_, own)| **own)
-        {
-            *bits |= 1 << column;
-        }
-    }
-    needed
 }

@@ -17,6 +17,7 @@
 use super::mean_value::{Cage, CageError, LANES, LaneMap, Lanes, mapped_exactly};
 use crate::base::{Kernel, with_level_of_cpu};
 use crate::geometry::Point;
+use crate::raster::Mask;
 
 /// Side of the block of pixels that is mapped together, a power of two. Larger blocks save corners
 /// where the map is smooth, but a band of them is also the unit of parallel work.
@@ -166,6 +167,19 @@ impl Kernel for MapPoints<'_> {
             }
         }
     }
+}
+
+/// Which pixels of the tile at (`left`, `top`) belong to `inside`: bit x of row y.
+pub(super) fn needed_pixels(inside: &Mask, left: usize, top: usize) -> [u32; TILE] {
+    let mut needed = [0; TILE];
+    let right = (left + TILE).min(inside.width() as usize);
+    for (y, bits) in (top..inside.height() as usize).zip(&mut needed) {
+        let row = &inside.row(y as u32)[left..right];
+        for (column, _) in row.iter().enumerate().filter(|(_, own)| **own) {
+            *bits |= 1 << column;
+        }
+    }
+    needed
 }
 
 /// Whether a pixel of the square at (`column`, `row`) of side `side` is needed.

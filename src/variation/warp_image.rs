@@ -5,7 +5,7 @@
 
 use super::mean_value::{LANES, Lanes};
 use super::sampling::bilinear_lanes;
-use super::warp::{TILE, Warp, WarpPrecision, WarpTile};
+use super::warp::{TILE, Warp, WarpPrecision, WarpTile, needed_pixels};
 use crate::base::{Cancel, Cancelled};
 use crate::geometry::{Point, Polygon};
 use crate::raster::{Image, Mask, Premultiplied};
@@ -55,7 +55,7 @@ fn warp_band(
 ) {
     let width = inside.width() as usize;
     for left in (0..width).step_by(TILE) {
-        let needed = needed(inside, left, top);
+        let needed = needed_pixels(inside, left, top);
         if needed == [0; TILE] {
             continue;
         }
@@ -117,22 +117,6 @@ fn precise(image: &Image<Premultiplied>, position: Point) -> Premultiplied {
         *value = (upper + (lower - upper) * v + 0.5) as u8;
     }
     Premultiplied(colour)
-}
-
-/// The pixels of the tile at (`left`, `top`) that belong to `inside`: bit x of entry y.
-fn needed(inside: &Mask, left: usize, top: usize) -> [u32; TILE] {
-    let mut needed = [0; TILE];
-    let right = (left + TILE).min(inside.width() as usize);
-    for (y, bits) in (top..inside.height() as usize).zip(&mut needed) {
-        for (bit, _) in inside.row(y as u32)[left..right]
-            .iter()
-            .enumerate()
-            .filter(|(_, belongs)| **belongs)
-        {
-            *bits |= 1 << bit;
-        }
-    }
-    needed
 }
 
 /// The pixels of a canvas whose centres are inside `polygons` by the even–odd rule: inside the
@@ -293,7 +277,7 @@ mod tests {
             .clone()
             .flat_map(|y| origins.clone().map(move |x| (x, y)))
         {
-            let needed = needed(&inside, left, top);
+            let needed = needed_pixels(&inside, left, top);
             let precision = WarpPrecision::Interpolated;
             warp.fill_tile(&mut tile, left, top, &needed, precision);
             for (row, bits) in needed.iter().enumerate() {

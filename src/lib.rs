@@ -8,6 +8,8 @@ pub mod raster;
 
 pub mod geometry;
 
+pub mod solve;
+
 pub mod contour;
 
 pub mod segment;
@@ -15,6 +17,18 @@ pub mod segment;
 pub mod branches;
 
 pub mod variation;
+
+pub mod crown;
+
+pub mod synth;
+
+pub mod scene;
+
+pub mod pipeline;
+
+pub mod render;
+
+pub mod export;
 
 pub mod sheet;
 

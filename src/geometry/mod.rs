@@ -1,13 +1,16 @@
-//! Shapes without pictures: polylines and polygons in the plane.
+//! Shapes without pictures: polylines and polygons in the plane, triangle meshes in space.
 //!
-//! Coordinates are those of images: x to the right, y down, lengths in pixels.
+//! Coordinates in the plane are those of images: x to the right, y down, lengths in pixels. Those in
+//! space are the world's: right-handed, +Y up, the viewer at +Z, metres unless said otherwise.
 //!
 //! Imports `base`.
 
 mod equal_chords;
+mod mesh;
 mod polygon;
 
 pub use equal_chords::equal_chords;
+pub use mesh::Mesh;
 pub use polygon::{Polygon, contains, perimeter, segments_cross, self_crossings, signed_area};
 
 /// A point or vector in the plane; x to the right, y down, in pixels unless said otherwise.

@@ -7,6 +7,7 @@
 //!
 //! Imports `base`.
 
+mod cubemap;
 mod dds;
 mod decode;
 mod envelope;
@@ -18,6 +19,7 @@ mod rect;
 mod resample;
 mod write;
 
+pub use cubemap::{CubeFace, Cubemap};
 pub use image::{Image, Premultiplied, Straight};
 pub use mask::{Mask, dilated, flooded_from_outside, labelled_components, opaque_bounds};
 pub use read::{

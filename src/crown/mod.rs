@@ -1,0 +1,8 @@
+//! The shape of a crown: from a mask to a base mesh, from a photograph to relief, from both to the
+//! radius of the crown in every direction.
+//!
+//! Source: O. Argudo, *Plausible reconstruction and rendering of semi-procedural landscapes*, 2014,
+//! chapter 4 ("the thesis" below). In the plane of the mask coordinates are those of images; a
+//! height z points out of the picture towards the viewer, in pixels.
+//!
+//! Imports `base`, `raster`, `geometry`, `solve`.

@@ -1,0 +1,6 @@
+//! From what a user gives to a scene: which steps follow one another, with which settings.
+//!
+//! The command line and the studio call the same functions here with the same settings, so that
+//! the same inputs give the same bytes.
+//!
+//! Imports `base`, `raster`, `geometry`, `crown`, `synth`, `scene`.

@@ -1,0 +1,7 @@
+//! Foliage from an example: textures of any size that look like the crown of a photograph, and
+//! cubemaps of them without a visible edge.
+//!
+//! Source: O. Argudo, *Plausible reconstruction and rendering of semi-procedural landscapes*, 2014,
+//! section 4.5 ("the thesis" below).
+//!
+//! Imports `base`, `raster`, `solve`, `crown`.

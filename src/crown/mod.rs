@@ -6,3 +6,7 @@
 //! height z points out of the picture towards the viewer, in pixels.
 //!
 //! Imports `base`, `raster`, `geometry`, `solve`.
+
+mod surface;
+
+pub use surface::{closed_surface, into_world};

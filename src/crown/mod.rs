@@ -6,3 +6,18 @@
 //! height z points out of the picture towards the viewer, in pixels.
 //!
 //! Imports `base`, `raster`, `geometry`, `solve`.
+
+mod center;
+mod height;
+mod luminance;
+mod pyramid;
+mod radial_raster;
+mod radius;
+
+pub use center::crown_center;
+pub use height::{height_cubemap, radius_with_relief};
+pub use luminance::luminance;
+pub use pyramid::{Pyramid, ReliefSettings, SettingError};
+pub use radius::{
+    LEAST_SHARE, RadiusError, merged_radius_cubemap, radius_cubemap, turned, turned_copies,
+};

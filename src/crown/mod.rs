@@ -6,3 +6,9 @@
 //! height z points out of the picture towards the viewer, in pixels.
 //!
 //! Imports `base`, `raster`, `geometry`, `solve`.
+
+mod domain;
+mod inflation;
+
+pub use domain::{Domain, RingPixel};
+pub use inflation::{Inflation, InflationError, Sheet};

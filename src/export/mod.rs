@@ -2,3 +2,9 @@
 //! disk is the caller.
 //!
 //! Imports `base`, `raster`, `geometry`, `scene`.
+
+mod glb;
+mod obj;
+
+pub use glb::{GlbError, MeshParts, glb};
+pub use obj::obj;

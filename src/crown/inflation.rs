@@ -13,6 +13,7 @@
 //! factor.
 
 use super::domain::Domain;
+use super::restart::Restart;
 use crate::base::{Cancel, Cancelled, Progress};
 use crate::raster::Mask;
 use crate::solve::{GridSystem, Method, Solver, Stencil};
@@ -130,28 +131,28 @@ impl Inflation {
         stage.advance();
         drop(stage);
         let stage = progress.stage("solve", 3);
+        let restart = match last {
+            Some(last) => {
+                let restart = Restart::new(solver.system(), last.solver.system(), cancel)?;
+                Some((restart, &last.base))
+            }
+            None => None,
+        };
         let mut base = [(); 3].map(|()| Vec::new());
         let sides = right_hand_sides(&domain, solver.system());
         for (axis, right) in sides.iter().enumerate() {
-            let start = last.map(|last| last.carried(axis, solver.system()));
+            let start = restart
+                .as_ref()
+                .map(|(restart, last)| restart.guess(right, &last[axis]));
             base[axis] = solver.solution(right, start.as_deref(), cancel)?;
             stage.advance();
         }
+        drop(restart);
         Ok(Self {
             domain,
             solver,
             base,
         })
-    }
-
-    /// The solution for `axis` at the unknowns of `system`, zero where there was none.
-    fn carried(&self, axis: usize, system: &GridSystem) -> Vec<f64> {
-        let here = self.solver.system();
-        let value = |&(x, y): &(u32, u32)| here.number(x.into(), y.into());
-        let pixels = system.pixels().iter();
-        pixels
-            .map(|pixel| value(pixel).map_or(0.0, |number| self.base[axis][number]))
-            .collect()
     }
 
     /// The mask and the classes of its pixels.

@@ -9,6 +9,7 @@
 
 mod domain;
 mod inflation;
+mod restart;
 
 pub use domain::{Domain, RingPixel};
 pub use inflation::{Inflation, InflationError, Sheet};

@@ -10,10 +10,13 @@
 
 use super::grid::GridSystem;
 use super::level::{Level, PAD, REACH, Row, SIDE};
+use rayon::prelude::*;
 
-/// Steps of the power iteration for the largest eigenvalue, and what is added for safety.
+/// Steps of the power iteration for the largest eigenvalue, and what is added for safety: it comes
+/// from below, and a bound that is too small makes the cycle indefinite. The eigenvalue for waves on
+/// an endless grid is too small, since rows near the border exceed it.
 const POWER_STEPS: usize = 10;
-const SAFETY: f32 = 1.1;
+const SAFETY: f32 = 1.2;
 
 /// The weight of the B-spline at distance −2 … 2.
 const WEIGHTS: [f64; 5] = [0.125, 0.5, 0.75, 0.5, 0.125];
@@ -87,15 +90,14 @@ pub(super) fn coarser(fine: &Level) -> Level {
         }
     }
     let is_far = far_from_border(fine, &unknown, width, height);
-    let (mut common, mut special) = (None, Vec::new());
+    let row = |place: usize| product_row(fine, &unknown, width, place);
+    let places = (0..unknown.len()).filter(|&place| unknown[place]);
+    let (far, near): (Vec<usize>, Vec<usize>) = places.partition(|&place| is_far[place]);
+    let common = far.first().map(|&place| row(place));
+    let special: Vec<(usize, Row)> = near.par_iter().map(|&place| (place, row(place))).collect();
     let mut special_at = vec![u32::MAX; unknown.len()];
-    for place in (0..unknown.len()).filter(|&place| unknown[place]) {
-        if !is_far[place] {
-            special_at[place] = special.len() as u32;
-            special.push((place, product_row(fine, &unknown, width, place)));
-        } else if common.is_none() {
-            common = Some(product_row(fine, &unknown, width, place));
-        }
+    for (number, (place, _)) in special.iter().enumerate() {
+        special_at[*place] = number as u32;
     }
     let common = common.unwrap_or([0.0; SIDE * SIDE]);
     let mut level = level(width, height, unknown, common, special, special_at);
@@ -126,25 +128,27 @@ fn far_from_border(fine: &Level, unknown: &[bool], width: usize, height: usize) 
 
 /// Where all pixels within `radius` along both axes are set.
 fn eroded(set: &[bool], width: usize, height: usize, radius: usize) -> Vec<bool> {
-    let pass = |set: &[bool], count: usize, length: usize, across: usize, along: usize| {
-        let mut out = vec![false; set.len()];
-        for line in 0..count {
-            let mut run = 0;
-            for i in 0..length {
-                run = if set[line * across + i * along] {
-                    run + 1
-                } else {
-                    0
-                };
-                if run > 2 * radius {
-                    out[line * across + (i - radius) * along] = true;
-                }
+    let mut rows = vec![false; set.len()];
+    for y in 0..height {
+        let mut run = 0;
+        for x in 0..width {
+            run = if set[y * width + x] { run + 1 } else { 0 };
+            if run > 2 * radius {
+                rows[y * width + x - radius] = true;
             }
         }
-        out
-    };
-    let rows = pass(set, height, width, width, 1);
-    pass(&rows, width, height, 1, width)
+    }
+    let mut out = vec![false; set.len()];
+    let mut runs = vec![0; width];
+    for y in 0..height {
+        for (x, run) in runs.iter_mut().enumerate() {
+            *run = if rows[y * width + x] { *run + 1 } else { 0 };
+            if *run > 2 * radius {
+                out[(y - radius) * width + x] = true;
+            }
+        }
+    }
+    out
 }
 
 /// One row of PᵀAP.

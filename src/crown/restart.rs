@@ -2,8 +2,8 @@
 //! edit by a small direct solution.
 //!
 //! Carried over alone, the old solution is as wrong at the edit as zero would be, and the search
-//! from it saves an iteration or two. Mended in a window around the changed pixels, what remains to
-//! be found is small and smooth.
+//! from it saves an iteration or two. Mended in a window around the changed pixels, it saves some
+//! more; the preparation of the coarse grids, which is not carried over, remains.
 
 use crate::base::{Cancel, Cancelled};
 use crate::raster::{Image, Mask, Rect, opaque_bounds};

@@ -1,7 +1,7 @@
 //! Solution of large systems: conjugate gradients, preconditioned by one multigrid cycle.
 //!
 //! The cycle works in single precision with two smoothing steps before and after; the iteration
-//! around it in double precision. It needs some 10 to 15 iterations whatever the size; memory is
+//! around it in double precision. It needs 11 to 18 iterations at 256 to 1024 pixels; memory is
 //! about 90 bytes a pixel of the shape's bounds.
 //!
 //! Sources: U. Trottenberg, C. Oosterlee, A. Schüller, *Multigrid*, 2001; O. Tatebe, *The multigrid

@@ -14,9 +14,15 @@
 mod dense;
 mod dissection;
 mod factor;
+mod galerkin;
 mod grid;
+mod level;
+mod multigrid;
 mod poisson;
+mod solver;
 
 pub use factor::Factor;
 pub use grid::{GridSystem, Stencil};
+pub use multigrid::{Iterated, Multigrid};
 pub use poisson::poisson;
+pub use solver::{Method, Solver};

@@ -318,10 +318,7 @@ impl Flags {
 
     /// Makes the mesh.
     fn made(&self, crown: &Crown, session: &Session<'_>) -> Result<Made, Failure> {
-        let refused = |error: BaseMeshError| match error.is_cancelled() {
-            true => Failure::Cancelled,
-            false => Failure::of(self.mask.display(), error),
-        };
+        let refused = |error| self.refusal(error);
         let (progress, cancel) = (session.progress, session.cancel);
         let (mesh, center, mask, unknowns) = match &crown.shape {
             Shape::Whole(mask, tangent) => {
@@ -351,6 +348,19 @@ impl Flags {
             mask_pixels: mask.count(),
             unknowns,
         })
+    }
+
+    /// Names the input that is at fault.
+    fn refusal(&self, error: BaseMeshError) -> Failure {
+        match (&error, &self.k, &self.profile, &self.regions) {
+            _ if error.is_cancelled() => Failure::Cancelled,
+            (BaseMeshError::Tangent(_), Some(text), ..) => {
+                Failure::of(format!("--k '{text}'"), error)
+            }
+            (BaseMeshError::Tangent(_), _, Some(file), _)
+            | (BaseMeshError::Tangent(_), _, _, Some(file)) => Failure::of(file.display(), error),
+            _ => Failure::of(self.mask.display(), error),
+        }
     }
 
     fn with_copies(

@@ -5,3 +5,7 @@
 //! section 4.5 ("the thesis" below).
 //!
 //! Imports `base`, `raster`, `solve`, `crown`.
+
+mod seam;
+
+pub use seam::{Seam, Side, StepCost, seam};

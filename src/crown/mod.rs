@@ -8,6 +8,7 @@
 //! Imports `base`, `raster`, `geometry`, `solve`.
 
 mod center;
+mod cube_sphere;
 mod domain;
 mod height;
 mod inflation;
@@ -18,6 +19,7 @@ mod radius;
 mod relief;
 
 pub use center::crown_center;
+pub use cube_sphere::{CubeSphere, cube_sphere, grid_line};
 pub use domain::{Domain, RingPixel};
 pub use height::{height_cubemap, radius_with_relief};
 pub use inflation::{Inflation, InflationError, Sheet};

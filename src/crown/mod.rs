@@ -17,6 +17,7 @@ mod pyramid;
 mod radial_raster;
 mod radius;
 mod relief;
+mod surface;
 
 pub use center::crown_center;
 pub use cube_sphere::{CubeSphere, cube_sphere, grid_line};
@@ -29,3 +30,4 @@ pub use radius::{
     LEAST_SHARE, RadiusError, merged_radius_cubemap, radius_cubemap, turned, turned_copies,
 };
 pub use relief::relief;
+pub use surface::{closed_surface, into_world};

@@ -6,6 +6,10 @@
 //!
 //! Imports `base`, `raster`, `solve`, `crown`.
 
+mod assembly;
+mod cube_seam;
 mod seam;
 
+pub use assembly::{assembled, band, even_angles, texture_sizes};
+pub use cube_seam::cube_seam;
 pub use seam::{Seam, Side, StepCost, seam};

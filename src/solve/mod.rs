@@ -1,5 +1,5 @@
-//! Large sparse problems on pixel grids: linear systems (assembled once, factorised once, solved many
-//! times) and minimum cuts.
+//! Large sparse problems on pixel grids: linear systems, assembled once, factorised once, solved many
+//! times; and minimum cuts of flow networks ([`Network`]).
 //!
 //! A [`GridSystem`] is a set of pixels with one of two [`Stencil`]s, the negative Laplacian or the
 //! bilaplacian; what lies outside the set is zero or belongs to the right-hand side. Two solvers:

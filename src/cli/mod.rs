@@ -13,6 +13,7 @@
 
 mod bench;
 mod clock;
+mod crown;
 mod demo;
 mod exemplars;
 mod failure;
@@ -73,6 +74,7 @@ enum Command {
     Warp(warp::Flags),
     Recolor(recolor::Flags),
     Synthesize(synthesize::Flags),
+    Crown(crown::Flags),
     Bench(bench::Flags),
 }
 
@@ -89,6 +91,7 @@ impl Command {
             Self::Warp(flags) => flags,
             Self::Recolor(flags) => flags,
             Self::Synthesize(flags) => flags,
+            Self::Crown(flags) => flags,
             Self::Bench(flags) => flags,
         }
     }

@@ -84,6 +84,29 @@ impl CrownRecord {
             recipe,
         }
     }
+
+    /// Reads a record.
+    ///
+    /// # Errors
+    /// [`CrownFolderError::Record`] when `bytes` is none, or of another version.
+    pub fn read(bytes: &[u8]) -> Result<Self, CrownFolderError> {
+        let failed = |reason: String| CrownFolderError::Record(reason);
+        let record: Self =
+            serde_json::from_slice(bytes).map_err(|error| failed(error.to_string()))?;
+        if record.format != FORMAT || record.version != VERSION {
+            let found = format!("{} version {}", record.format, record.version);
+            return Err(failed(format!("{found} is not known to this version")));
+        }
+        let center_is_finite = record.center_m.iter().all(|along| along.is_finite());
+        let radius_is_real = record.radius_max_m.is_finite() && record.radius_max_m > 0.0;
+        let size_is_real = (1..=LARGEST_FACE).contains(&record.size);
+        if !(center_is_finite && radius_is_real && size_is_real) {
+            return Err(failed(
+                "its centre, radius or size is out of range".to_owned(),
+            ));
+        }
+        Ok(record)
+    }
 }
 
 /// A crown could not be read.
@@ -166,7 +189,7 @@ pub fn crown_files(crown: &Crown, recipe: serde_json::Value) -> Vec<(String, Vec
 pub fn crown_from_files<E: From<CrownFolderError>>(
     mut read: impl FnMut(&str) -> Result<Vec<u8>, E>,
 ) -> Result<(Crown, CrownRecord), E> {
-    let record = record_from(&read(CROWN_RECORD)?)?;
+    let record = CrownRecord::read(&read(CROWN_RECORD)?)?;
     let size = record.size;
     let color = cubemap_from("color", Some(size), &mut read, color_face)?;
     let height = cubemap_from("height", Some(size), &mut read, grey_face)?;
@@ -185,25 +208,6 @@ pub fn crown_from_files<E: From<CrownFolderError>>(
 
 fn face_name(kind: &str, face: CubeFace) -> String {
     format!("{kind}_{}.png", face.name())
-}
-
-fn record_from(bytes: &[u8]) -> Result<CrownRecord, CrownFolderError> {
-    let failed = |reason: String| CrownFolderError::Record(reason);
-    let record: CrownRecord =
-        serde_json::from_slice(bytes).map_err(|error| failed(error.to_string()))?;
-    if record.format != FORMAT || record.version != VERSION {
-        let found = format!("{} version {}", record.format, record.version);
-        return Err(failed(format!("{found} is not known to this version")));
-    }
-    let center_is_finite = record.center_m.iter().all(|along| along.is_finite());
-    let radius_is_real = record.radius_max_m.is_finite() && record.radius_max_m > 0.0;
-    let size_is_real = (1..=LARGEST_FACE).contains(&record.size);
-    if !(center_is_finite && radius_is_real && size_is_real) {
-        return Err(failed(
-            "its centre, radius or size is out of range".to_owned(),
-        ));
-    }
-    Ok(record)
 }
 
 /// The cubemap `kind`; its faces must have the side `size`, or any one when `None`.

@@ -29,7 +29,7 @@ pub(super) struct Flags {
     /// Make the crown of a crown.json again, from the same files
     #[arg(long, value_name = "crown.json", conflicts_with_all = ["photo", "mask", "k", "relief", "size", "copies", "height", "trunk_height"])]
     recipe: Option<PathBuf>,
-    /// How round the crown bulges; 0 is flat [default: 2.25]
+    /// How steeply the crown leaves its silhouette [default: so that it is as deep as it is wide]
     #[arg(long, value_name = "K")]
     k: Option<f64>,
     /// How far the relief moves the surface, as a share of the radius [default: 0.35]
@@ -143,7 +143,7 @@ impl Flags {
         let default = CrownSettings::default();
         CrownSettings {
             size: self.size.unwrap_or(default.size),
-            k: self.k.unwrap_or(default.k),
+            k: self.k.or(default.k),
             copies: self.copies.unwrap_or(default.copies),
             rho: self.relief.unwrap_or(default.rho),
             height_m: self.height.unwrap_or(default.height_m),

@@ -8,8 +8,10 @@
 //! Imports `base`, `raster`, `geometry`, `solve`.
 
 mod center;
+mod chamfer;
 mod cube_sphere;
 mod domain;
+mod envelope;
 mod height;
 mod inflation;
 mod luminance;
@@ -22,6 +24,7 @@ mod surface;
 pub use center::crown_center;
 pub use cube_sphere::{CubeSphere, cube_sphere, grid_line};
 pub use domain::{Domain, RingPixel};
+pub use envelope::{Envelope, envelope};
 pub use height::{height_cubemap, radius_with_relief};
 pub use inflation::{Inflation, InflationError, Sheet};
 pub use luminance::luminance;

@@ -11,8 +11,9 @@
 use super::frame::{CrownFrame, scaled_mask, scaled_photo};
 use crate::base::{Cancel, Cancelled, Progress, Seed};
 use crate::crown::{
-    Domain, Inflation, InflationError, RadiusError, ReliefSettings, SettingError, closed_surface,
-    height_cubemap, into_world, merged_radius_cubemap, radius_with_relief, turned_copies,
+    Domain, Envelope, Inflation, InflationError, RadiusError, ReliefSettings, SettingError,
+    closed_surface, envelope, height_cubemap, into_world, merged_radius_cubemap,
+    radius_with_relief, turned_copies,
 };
 use crate::geometry::Mesh;
 use crate::raster::{Cubemap, Image, Mask, Straight};
@@ -30,8 +31,11 @@ pub struct CrownSettings {
     /// Texels along a face of all cubemaps, and pixels along the longer side of the mask that is
     /// inflated; a multiple of 16, 32 … 1024.
     pub size: u32,
+    /// How much of the mask's outline shapes the volume.
+    pub envelope: Envelope,
     /// The tangent at the silhouette, thesis §4.3: 0 is flat; a disc is nearest to a ball at 2.25.
-    pub k: f64,
+    /// By default so large that the crown is as deep as it is wide, which for a disc is 2.08.
+    pub k: Option<f64>,
     /// Copies of the base mesh turned about the trunk and merged, 1 … 16.
     pub copies: u32,
     /// ρ, how far the relief moves the surface, as a share of the radius, 0 … 1.5.
@@ -49,11 +53,15 @@ pub struct CrownSettings {
 /// broad-leaved tree shows.
 pub const TRUNK_SHARE: f64 = 0.2;
 
+/// The largest k: beyond, a surface is nothing but walls.
+const MOST_K: f64 = 50.0;
+
 impl Default for CrownSettings {
     fn default() -> Self {
         Self {
             size: 256,
-            k: 2.25,
+            envelope: Envelope::default(),
+            k: None,
             copies: 1,
             rho: 0.35,
             relief: ReliefSettings::default(),
@@ -112,10 +120,11 @@ impl CrownSettings {
     pub fn check(&self) -> Result<(), SettingError> {
         let size = f64::from(self.size);
         let size_fits = (32..=1024).contains(&self.size) && self.size.is_multiple_of(16);
+        let k = self.k.unwrap_or(1.0);
         let trunk = self.trunk_height_m.unwrap_or(0.0);
         let rules = [
             ("size", size, size_fits, "a multiple of 16 from 32 to 1024"),
-            ("k", self.k, (0.01..=20.0).contains(&self.k), "0.01 to 20"),
+            ("k", k, (0.01..=MOST_K).contains(&k), "0.01 to 50"),
             (
                 "copies",
                 f64::from(self.copies),
@@ -209,7 +218,9 @@ pub fn crown_shape(
     progress: Progress<'_>,
     cancel: &Cancel,
 ) -> Result<CrownShape, CrownError> {
-    let scaled = scaled_mask(mask, settings.size).ok_or(InflationError::Empty)?;
+    let scaled = scaled_mask(mask, settings.size)
+        .and_then(|scaled| envelope(&scaled, &settings.envelope))
+        .ok_or(InflationError::Empty)?;
     let domain = Domain::new(&scaled)?;
     let frame = CrownFrame::new(
         &scaled,
@@ -219,12 +230,23 @@ pub fn crown_shape(
             .unwrap_or(TRUNK_SHARE * settings.height_m),
     );
     let bounds = domain.bounds();
-    let k_of_ring = vec![settings.k; domain.ring().len()];
     let inflation = Inflation::new(domain, progress, cancel)?;
-    let sheet = inflation.sheet(&k_of_ring, cancel)?;
-    let pixels = closed_surface(&scaled, &sheet.positions, |_| settings.k);
+    let k = match settings.k {
+        Some(k) => k,
+        None => k_of_depth(&inflation, f64::from(bounds.width) / 2.0, cancel)?,
+    };
+    let sheet = inflation.sheet(&vec![k; inflation.domain().ring().len()], cancel)?;
+    let pixels = closed_surface(&scaled, &sheet.positions, |_| k);
     let base_mesh = into_world(&pixels, bounds, frame.metres_per_pixel, frame.base_m);
     Ok(CrownShape { base_mesh, frame })
+}
+
+/// The k at which the highest point of the sheet is `depth` pixels in front of the silhouette: heights
+/// are linear in k.
+fn k_of_depth(inflation: &Inflation, depth: f64, cancel: &Cancel) -> Result<f64, CrownError> {
+    let sheet = inflation.sheet(&vec![1.0; inflation.domain().ring().len()], cancel)?;
+    let highest = sheet.positions.iter().map(|p| p.z).fold(0.0, f64::max);
+    Ok((depth / highest.max(1e-9)).min(MOST_K))
 }
 
 /// Foliage like that of the crown, all around it.

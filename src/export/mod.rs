@@ -3,8 +3,16 @@
 //!
 //! Imports `base`, `raster`, `geometry`, `scene`.
 
+mod atlas;
+mod crown_folder;
 mod glb;
 mod obj;
+mod ply;
 
+pub use atlas::{AtlasLayout, atlas};
+pub use crown_folder::{
+    CROWN_RECORD, CrownFolderError, CrownRecord, crown_file_names, crown_files, crown_from_files,
+};
 pub use glb::{GlbError, MeshParts, glb};
 pub use obj::obj;
+pub use ply::{PlyError, decode_ply, encode_ply};

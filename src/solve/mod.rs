@@ -1,4 +1,5 @@
-//! Large sparse linear systems on pixel grids: assembled once, factorised once, solved many times.
+//! Large sparse problems on pixel grids: linear systems, assembled once, factorised once, solved many
+//! times; and minimum cuts of flow networks ([`Network`]).
 //!
 //! A [`GridSystem`] is a set of pixels with one of two [`Stencil`]s, the negative Laplacian or the
 //! bilaplacian; what lies outside the set is zero or belongs to the right-hand side. Two solvers:
@@ -15,8 +16,12 @@ mod dense;
 mod dissection;
 mod factor;
 mod grid;
+mod min_cut;
+mod network;
 mod poisson;
 
 pub use factor::Factor;
 pub use grid::{GridSystem, Stencil};
+pub use min_cut::Cut;
+pub use network::{Edge, HARD, Network};
 pub use poisson::poisson;

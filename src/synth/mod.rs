@@ -32,7 +32,6 @@ mod texture;
 mod wrapping;
 
 pub use assembly::{Lattice, LatticeSize, assembled};
-pub use assembly::{assembled, band, even_angles, texture_sizes};
 pub use canvas::Known;
 pub use cube_seam::cube_seam;
 pub use cubemap::{CubemapSettings, FoliageCubemap, extent_of, foliage_cubemap};

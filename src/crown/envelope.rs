@@ -33,7 +33,8 @@ impl Default for Envelope {
     }
 }
 
-/// The envelope of `mask`, cropped to its bounds with one pixel around; `None` when `mask` is empty.
+/// The envelope of `mask`, cropped to its bounds with one pixel around, and where its first pixel lies
+/// in `mask` (outside, mostly); `None` when `mask` is empty.
 ///
 /// ```
 /// use boscage::{crown::{Envelope, envelope}, raster::Image};
@@ -41,10 +42,10 @@ impl Default for Envelope {
 /// let mut mask = Image::filled(20, 20, true);
 /// mask.set(10, 10, false);
 /// mask.row_mut(4)[..8].fill(false);
-/// let whole = envelope(&mask, &Envelope::default()).unwrap();
-/// assert_eq!((whole.width(), whole.count()), (22, 400));
+/// let (whole, from) = envelope(&mask, &Envelope::default()).unwrap();
+/// assert_eq!((whole.width(), whole.count(), from), (22, 400, [-1, -1]));
 /// ```
-pub fn envelope(mask: &Mask, settings: &Envelope) -> Option<Mask> {
+pub fn envelope(mask: &Mask, settings: &Envelope) -> Option<(Mask, [i64; 2])> {
     let bounds = opaque_bounds(mask)?;
     let longest = f64::from(bounds.width.max(bounds.height));
     let thirds = |share: f64| (share * longest * f64::from(PIXEL)).round() as u32;
@@ -59,13 +60,11 @@ pub fn envelope(mask: &Mask, settings: &Envelope) -> Option<Mask> {
     let filled = flooded_from_outside(&closed);
     let opened = grown(&shrunk(&filled, open), open);
     let part = largest_part(if opened.count() > 0 { &opened } else { &filled });
-    let bounds = opaque_bounds(&part)?;
-    Some(part.cropped(
-        bounds.x - 1,
-        bounds.y - 1,
-        bounds.width + 2,
-        bounds.height + 2,
-    ))
+    let found = opaque_bounds(&part)?;
+    let (x, y) = (found.x - 1, found.y - 1);
+    let cropped = part.cropped(x, y, found.width + 2, found.height + 2);
+    let from = |bound: u32, at: u32| i64::from(bound) + i64::from(at) - i64::from(margin);
+    Some((cropped, [from(bounds.x, x), from(bounds.y, y)]))
 }
 
 fn grown(mask: &Mask, thirds: u32) -> Mask {
@@ -107,7 +106,7 @@ mod tests {
             let speck = (x - 10.0).hypot(y - 10.0) < 6.0;
             (disc(x, y) && !slit && !hole) || spur || speck
         });
-        let found = envelope(&torn, &Envelope::default()).unwrap().count() as f64;
+        let found = envelope(&torn, &Envelope::default()).unwrap().0.count() as f64;
         let whole = drawn(200, disc).count() as f64;
         assert!((found / whole - 1.0).abs() < 0.02, "{found} of {whole}");
     }
@@ -118,11 +117,12 @@ mod tests {
         assert_eq!(
             envelope(&Image::filled(1, 1, true), &settings)
                 .unwrap()
+                .0
                 .count(),
             1
         );
         assert_eq!(envelope(&Image::filled(3, 3, false), &settings), None);
         let line = Image::filled(60, 1, true);
-        assert_eq!(envelope(&line, &settings).unwrap().count(), 60);
+        assert_eq!(envelope(&line, &settings).unwrap().0.count(), 60);
     }
 }

@@ -25,6 +25,7 @@ mod radial;
 mod radial_raster;
 mod radius;
 mod relief;
+mod restart;
 mod sub_crowns;
 mod surface;
 mod tangent;

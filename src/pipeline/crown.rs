@@ -4,23 +4,23 @@
 //! like that of the photograph is synthesised around it; its light and dark become relief, and the
 //! relief moves the radius.
 //!
-//! Scales: the base mesh is made from the mask with its longer side at [`CrownSettings::size`]
-//! pixels. The foliage is made from the photograph at the scale at which a texel of the cubemap,
-//! laid on a sphere as large as the crown, is as large as a pixel: leaves keep their size.
+//! Scales: the base mesh is made from the mask's envelope with its longer side at
+//! [`CrownSettings::size`] pixels. The foliage is made from the photograph at the scale at which a
+//! texel, laid on the crown, is as large as a pixel: leaves keep their size.
 
-use super::frame::{CrownFrame, scaled_mask, scaled_photo};
+use super::frame::{CrownFrame, Volume};
 use crate::base::{Cancel, Cancelled, Progress, Seed};
 use crate::crown::{
     Domain, Envelope, Inflation, InflationError, RadiusError, ReliefSettings, SettingError,
-    closed_surface, envelope, height_cubemap, into_world, merged_radius_cubemap,
-    radius_with_relief, turned_copies,
+    Tangent, TangentError, crown_center, height_cubemap, into_world, merged_radius_cubemap,
+    radius_with_relief, sheet_surface, turned_copies,
 };
-use crate::geometry::Mesh;
-use crate::raster::{Cubemap, Image, Mask, Straight};
+use crate::geometry::{Mesh, Point};
+use crate::raster::{Image, Mask, Straight};
 use crate::scene::Crown;
 use crate::synth::{
-    Exemplar, ExemplarSettings, SynthesisError, SynthesisSettings, assembled, even_angles, texture,
-    texture_sizes,
+    CrownSurface, CubemapSettings, Extent, SynthesisError, extent_of, foliage_cubemap,
+    with_photo_front,
 };
 use serde::{Deserialize, Serialize};
 
@@ -35,13 +35,17 @@ pub struct CrownSettings {
     pub envelope: Envelope,
     /// The tangent at the silhouette, thesis §4.3: 0 is flat; a disc is nearest to a ball at 2.25.
     /// By default so large that the crown is as deep as it is wide, which for a disc is 2.08.
-    pub k: Option<f64>,
+    pub k: Option<Tangent>,
     /// Copies of the base mesh turned about the trunk and merged, 1 … 16.
     pub copies: u32,
     /// ρ, how far the relief moves the surface, as a share of the radius, 0 … 1.5.
     pub rho: f64,
     /// How light becomes relief.
     pub relief: ReliefSettings,
+    /// Whether the photograph stays on the front, and the rest grows out of it.
+    pub photo_front: bool,
+    /// How foliage is synthesised; its size is that of the crown.
+    pub foliage: CubemapSettings,
     /// Height of the crown, metres.
     pub height_m: f64,
     /// Height of the crown's lowest point above the ground, metres; by default
@@ -65,6 +69,8 @@ impl Default for CrownSettings {
             copies: 1,
             rho: 0.35,
             relief: ReliefSettings::default(),
+            photo_front: false,
+            foliage: CubemapSettings::default(),
             height_m: 10.0,
             trunk_height_m: None,
         }
@@ -88,6 +94,9 @@ pub enum CrownError {
     /// The mask cannot be inflated.
     #[error(transparent)]
     Inflation(#[from] InflationError),
+    /// k cannot be used.
+    #[error(transparent)]
+    Tangent(#[from] TangentError),
     /// The mesh has no surface around its centre.
     #[error(transparent)]
     Radius(#[from] RadiusError),
@@ -120,11 +129,9 @@ impl CrownSettings {
     pub fn check(&self) -> Result<(), SettingError> {
         let size = f64::from(self.size);
         let size_fits = (32..=1024).contains(&self.size) && self.size.is_multiple_of(16);
-        let k = self.k.unwrap_or(1.0);
         let trunk = self.trunk_height_m.unwrap_or(0.0);
         let rules = [
             ("size", size, size_fits, "a multiple of 16 from 32 to 1024"),
-            ("k", k, (0.01..=MOST_K).contains(&k), "0.01 to 50"),
             (
                 "copies",
                 f64::from(self.copies),
@@ -184,7 +191,25 @@ pub fn crown(
     let base_m = merged_radius_cubemap(&copies, shape.frame.center_m, settings.size, cancel)?;
     stage.advance();
     drop(stage);
-    let color = foliage(photo, mask, settings.size, seed, progress, cancel)?;
+    let stage = progress.stage("foliage", 2);
+    let foliage = CubemapSettings {
+        size: settings.size,
+        ..settings.foliage
+    };
+    let made = foliage_cubemap(photo, mask, shape.extent, &foliage, seed, &progress, cancel)?;
+    stage.advance();
+    let color = if settings.photo_front {
+        let radius = base_m.map(|&radius| radius * shape.photo_px_per_m as f32);
+        let surface = CrownSurface {
+            center: shape.photo_center,
+            radius: &radius,
+        };
+        with_photo_front(&made, surface, cancel)?
+    } else {
+        made.color
+    };
+    stage.advance();
+    drop(stage);
     let stage = progress.stage("relief", 1);
     let height = height_cubemap(&color, &settings.relief, cancel)?;
     let radius_m = radius_with_relief(&base_m, &height, settings.rho);
@@ -206,6 +231,12 @@ pub struct CrownShape {
     pub base_mesh: Mesh,
     /// From the pixels of the mask to the tree.
     pub frame: CrownFrame,
+    /// The crown's centre in the photograph, pixels.
+    pub photo_center: Point,
+    /// Pixels of the photograph in a metre.
+    pub photo_px_per_m: f64,
+    /// How far the crown reaches from its centre, pixels of the photograph.
+    pub extent: Extent,
 }
 
 /// The inflated `mask`, without relief and copies.
@@ -218,61 +249,40 @@ pub fn crown_shape(
     progress: Progress<'_>,
     cancel: &Cancel,
 ) -> Result<CrownShape, CrownError> {
-    let scaled = scaled_mask(mask, settings.size)
-        .and_then(|scaled| envelope(&scaled, &settings.envelope))
-        .ok_or(InflationError::Empty)?;
-    let domain = Domain::new(&scaled)?;
-    let frame = CrownFrame::new(
-        &scaled,
-        settings.height_m,
-        settings
-            .trunk_height_m
-            .unwrap_or(TRUNK_SHARE * settings.height_m),
-    );
-    let bounds = domain.bounds();
-    let inflation = Inflation::new(domain, progress, cancel)?;
-    let k = match settings.k {
-        Some(k) => k,
+    let volume =
+        Volume::new(mask, settings.size, &settings.envelope).ok_or(InflationError::Empty)?;
+    let center = crown_center(&volume.mask).ok_or(InflationError::Empty)?;
+    let extent = extent_of(&volume.mask, center).ok_or(InflationError::Empty)?;
+    let trunk_m = settings
+        .trunk_height_m
+        .unwrap_or(TRUNK_SHARE * settings.height_m);
+    let frame = CrownFrame::new(&volume.mask, settings.height_m, trunk_m);
+    let inflation = Inflation::new(Domain::new(&volume.mask)?, progress, cancel)?;
+    let bounds = inflation.domain().bounds();
+    let k = match &settings.k {
+        Some(tangent) => tangent.on_ring(inflation.domain())?,
         None => k_of_depth(&inflation, f64::from(bounds.width) / 2.0, cancel)?,
     };
-    let sheet = inflation.sheet(&vec![k; inflation.domain().ring().len()], cancel)?;
-    let pixels = closed_surface(&scaled, &sheet.positions, |_| k);
-    let base_mesh = into_world(&pixels, bounds, frame.metres_per_pixel, frame.base_m);
-    Ok(CrownShape { base_mesh, frame })
+    let pixels = sheet_surface(&inflation.sheet(&k, cancel)?, &k);
+    let in_photo = |length: f64| length / volume.scale;
+    Ok(CrownShape {
+        base_mesh: into_world(&pixels, bounds, frame.metres_per_pixel, frame.base_m),
+        frame,
+        photo_center: volume.photo_from_mask(center),
+        photo_px_per_m: in_photo(1.0 / frame.metres_per_pixel),
+        extent: Extent {
+            across: in_photo(extent.across),
+            up: in_photo(extent.up),
+            down: in_photo(extent.down),
+        },
+    })
 }
 
-/// The k at which the highest point of the sheet is `depth` pixels in front of the silhouette: heights
-/// are linear in k.
-fn k_of_depth(inflation: &Inflation, depth: f64, cancel: &Cancel) -> Result<f64, CrownError> {
-    let sheet = inflation.sheet(&vec![1.0; inflation.domain().ring().len()], cancel)?;
+/// One k for the whole ring at which the highest point of the sheet is `depth` pixels in front of the
+/// silhouette: heights are linear in k.
+fn k_of_depth(inflation: &Inflation, depth: f64, cancel: &Cancel) -> Result<Vec<f64>, CrownError> {
+    let ring = inflation.domain().ring().len();
+    let sheet = inflation.sheet(&vec![1.0; ring], cancel)?;
     let highest = sheet.positions.iter().map(|p| p.z).fold(0.0, f64::max);
-    Ok((depth / highest.max(1e-9)).min(MOST_K))
-}
-
-/// Foliage like that of the crown, all around it.
-fn foliage(
-    photo: &Image<Straight>,
-    mask: &Mask,
-    size: u32,
-    seed: Seed,
-    progress: Progress<'_>,
-    cancel: &Cancel,
-) -> Result<Cubemap<Straight>, CrownError> {
-    let stage = progress.stage("foliage", 5);
-    let (photo, mask) = scaled_photo(photo, mask, size);
-    let exemplar = Exemplar::new(&photo, &mask, &ExemplarSettings::default(), cancel)?;
-    stage.advance();
-    let [sides, lid] = texture_sizes(size);
-    let made = |name: &str, [width, height]: [u32; 2]| {
-        let settings = SynthesisSettings::default();
-        let seed = seed.derive(name, 0);
-        let made = texture(&exemplar, width, height, &settings, seed, &progress, cancel);
-        stage.advance();
-        made
-    };
-    let lateral = made("lateral", sides)?;
-    let (top, bottom) = (made("top", lid)?, made("bottom", lid)?);
-    let color = even_angles(&assembled(&lateral, &top, &bottom, cancel)?);
-    stage.advance();
-    Ok(color)
+    Ok(vec![(depth / highest.max(1e-9)).min(MOST_K); ring])
 }

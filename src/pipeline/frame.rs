@@ -1,8 +1,8 @@
 //! Where a crown stands and how large it is: from the pixels of its mask to metres.
 
-use crate::crown::crown_center;
+use crate::crown::{Envelope, crown_center, envelope};
 use crate::geometry::Point;
-use crate::raster::{Image, Mask, Premultiplied, Rect, Straight, opaque_bounds, resized};
+use crate::raster::{Mask, Premultiplied, Rect, opaque_bounds, resized};
 use glam::DVec3;
 
 /// From the pixels of a mask to the frame of the tree: metres, +Y up, the tree's base at the origin,
@@ -49,35 +49,37 @@ impl CrownFrame {
     }
 }
 
-/// The part of `mask` around the crown, scaled so that the crown's longer side has `longest` pixels;
-/// `None` when nothing is left of it.
-pub(super) fn scaled_mask(mask: &Mask, longest: u32) -> Option<Mask> {
-    let bounds = opaque_bounds(mask)?;
-    let scale = f64::from(longest) / f64::from(bounds.width.max(bounds.height));
-    let scaled = resized_mask(mask, bounds, scale);
-    opaque_bounds(&scaled).map(|_| scaled)
+/// The volume of a crown as a mask, at the scale at which it is inflated.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Volume {
+    /// The envelope of the crown.
+    pub(super) mask: Mask,
+    /// Pixels of it for one of the photograph.
+    pub(super) scale: f64,
+    /// Where its first pixel's corner lies in the photograph, pixels from the corner there.
+    origin: Point,
 }
 
-/// Photograph and mask around the crown, at the scale at which a texel of a cubemap of `size` around a
-/// ball of the crown's area is as large as a pixel: a quarter of the ball's girth is `size` pixels.
-pub(super) fn scaled_photo(
-    photo: &Image<Straight>,
-    mask: &Mask,
-    size: u32,
-) -> (Image<Straight>, Mask) {
-    let Some(bounds) = opaque_bounds(mask) else {
-        return (photo.clone(), mask.clone());
-    };
-    let diameter = 2.0 * (mask.count() as f64 / std::f64::consts::PI).sqrt();
-    let scale = f64::from(size) * (4.0 / std::f64::consts::PI) / diameter;
-    let [width, height] = scaled_size(bounds, scale);
-    // Synthesis reads colours, not alpha: a cut-out's clear pixels are outside the mask anyway.
-    let opaque = photo.map(|pixel| {
-        let [r, g, b, _] = pixel.0;
-        Premultiplied([r, g, b, 255])
-    });
-    let photo = resized(&opaque, bounds, width, height).straight();
-    (photo, resized_mask(mask, bounds, scale))
+impl Volume {
+    /// The envelope of `mask` after scaling so that the crown's longer side has `longest` pixels;
+    /// `None` when nothing is left of it.
+    pub(super) fn new(mask: &Mask, longest: u32, settings: &Envelope) -> Option<Self> {
+        let bounds = opaque_bounds(mask)?;
+        let scale = f64::from(longest) / f64::from(bounds.width.max(bounds.height));
+        let scaled = resized_mask(mask, bounds, scale);
+        let (mask, from) = envelope(&scaled, settings)?;
+        let corner = Point::new(f64::from(bounds.x), f64::from(bounds.y));
+        Some(Self {
+            mask,
+            scale,
+            origin: corner + Point::new(from[0] as f64, from[1] as f64) / scale,
+        })
+    }
+
+    /// The place in the photograph of a place in the mask; pixel centres are whole in both.
+    pub(super) fn photo_from_mask(&self, place: Point) -> Point {
+        self.origin + (place + 0.5) / self.scale - 0.5
+    }
 }
 
 fn scaled_size(bounds: Rect, scale: f64) -> [u32; 2] {
@@ -96,6 +98,7 @@ fn resized_mask(mask: &Mask, bounds: Rect, scale: f64) -> Mask {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::raster::Image;
 
     #[test]
     fn the_crowns_bounds_get_the_height_and_stand_on_the_trunk() {
@@ -106,24 +109,18 @@ mod tests {
         let frame = CrownFrame::new(&mask, 8.0, 2.0);
         assert_eq!(frame.metres_per_pixel, 0.4);
         assert!(frame.center_m.distance(DVec3::new(0.0, 6.0, 0.0)) < 1e-9);
-        let scaled = scaled_mask(&mask, 40).unwrap();
-        assert_eq!((scaled.width(), scaled.height()), (20, 40));
-        assert!(scaled.pixels().iter().all(|&inside| inside));
-    }
-
-    #[test]
-    fn the_foliage_is_scaled_to_a_quarter_of_the_girth() {
-        let mask = Image::from_pixels(
-            201,
-            201,
-            (0..201 * 201)
-                .map(|i| (f64::from(i % 201) - 100.0).hypot(f64::from(i / 201) - 100.0) <= 100.0)
-                .collect(),
-        );
-        let photo = Image::filled(201, 201, Straight([10, 20, 30, 255]));
-        let (photo, mask) = scaled_photo(&photo, &mask, 64);
-        // π/4 of the diameter is 64 pixels.
-        assert!((f64::from(mask.width()) - 81.5).abs() <= 1.0);
-        assert_eq!(photo.at(0, 0), Straight([10, 20, 30, 255]));
+        let volume = Volume::new(
+            &mask,
+            40,
+            &Envelope {
+                close: 0.0,
+                open: 0.0,
+            },
+        )
+        .unwrap();
+        assert_eq!((volume.mask.width(), volume.mask.height()), (22, 42));
+        // The first of two pixels that the photograph's pixel (4, 5) became.
+        let place = volume.photo_from_mask(Point::new(1.0, 1.0));
+        assert!(place.distance(Point::new(3.75, 4.75)) < 1e-9);
     }
 }

@@ -242,7 +242,8 @@ impl Flags {
             return mask;
         }
         let set = coverage.map(|&value| value >= 128);
-        envelope(&set, &Envelope::default()).map_or(mask, |mask| scaled(&mask.grey(), self.size))
+        envelope(&set, &Envelope::default())
+            .map_or(mask, |(mask, _)| scaled(&mask.grey(), self.size))
     }
 
     fn check(&self) -> Result<(), Failure> {

@@ -7,9 +7,9 @@ use super::session::Session;
 use super::{Job, Stages};
 use crate::base::{Digest, read_limited};
 use crate::crown::{
-    BaseMeshError, Crossing, DistanceShape, IterativeSettings, Method, PRESETS, Profile, SubCrown,
-    Tangent, base_mesh, copies_merged, crown_center, into_world, labelled_regions, star_cells,
-    sub_crowns_merged,
+    BaseMeshError, Crossing, DistanceShape, Envelope, IterativeSettings, Method, PRESETS, Profile,
+    SubCrown, Tangent, base_mesh, copies_merged, crown_center, envelope, into_world,
+    labelled_regions, star_cells, sub_crowns_merged,
 };
 use crate::export::{MeshParts, glb, obj};
 use crate::geometry::{Mesh, Topology};
@@ -37,7 +37,7 @@ const FOLIAGE: [f32; 4] = [0.10, 0.19, 0.05, 1.0];
 #[command(after_help = "Examples:
   boscage inflate oak.mask.png --out oak.obj
   boscage inflate pine.mask.png --k '1+4*j' --height 18 --out pine.glb --json
-  boscage inflate ash.mask.png --copies 3 --out ash.glb
+  boscage inflate ash.mask.png --envelope --copies 3 --out ash.glb
   boscage inflate clumps.png --regions clumps.json --out clumps.glb
 with clumps.json: {\"regions\":[{\"label\":100,\"k\":2},{\"label\":200,\"k\":\"1+j\",\"depth_px\":20}]}")]
 pub(super) struct Flags {
@@ -67,8 +67,12 @@ pub(super) struct Flags {
     #[arg(long, value_enum, default_value_t, value_name = "WHICH")]
     crossing: CrossingName,
     /// Regions of the mask, by their grey values, each with its own k and depth
-    #[arg(long, value_name = "FILE.json", conflicts_with_all = ["k", "preset", "profile"])]
+    #[arg(long, value_name = "FILE.json", conflicts_with_all = ["k", "preset", "profile", "envelope"])]
     regions: Option<PathBuf>,
+    /// Inflate the crown's envelope instead of its mask: gaps, bays and loose twigs go, which would
+    /// keep the crown flat; the mask is cropped to it
+    #[arg(long)]
+    envelope: bool,
     /// Height of the crown in a .glb file, metres
     #[arg(long, default_value_t = 10.0, value_name = "M")]
     height: f64,
@@ -219,7 +223,7 @@ impl Flags {
             .finish();
         let shape = match &self.regions {
             Some(path) => Shape::Regions(self.regions(path, &grey(&image), session)?),
-            None => Shape::Whole(scaled(&coverage(&image), self.size), tangent),
+            None => Shape::Whole(self.whole(&coverage(&image)), tangent),
         };
         if let Shape::Whole(mask, _) = &shape
             && mask.count() == 0
@@ -229,6 +233,17 @@ impl Flags {
         }
         stage.advance();
         Ok(Crown { shape, recipe })
+    }
+
+    /// The mask or its envelope, scaled.
+    fn whole(&self, coverage: &Image<u8>) -> Mask {
+        let mask = scaled(coverage, self.size);
+        if !self.envelope {
+            return mask;
+        }
+        let set = coverage.map(|&value| value >= 128);
+        envelope(&set, &Envelope::default())
+            .map_or(mask, |(mask, _)| scaled(&mask.grey(), self.size))
     }
 
     fn check(&self) -> Result<(), Failure> {
@@ -318,10 +333,7 @@ impl Flags {
 
     /// Makes the mesh.
     fn made(&self, crown: &Crown, session: &Session<'_>) -> Result<Made, Failure> {
-        let refused = |error: BaseMeshError| match error.is_cancelled() {
-            true => Failure::Cancelled,
-            false => Failure::of(self.mask.display(), error),
-        };
+        let refused = |error| self.refusal(error);
         let (progress, cancel) = (session.progress, session.cancel);
         let (mesh, center, mask, unknowns) = match &crown.shape {
             Shape::Whole(mask, tangent) => {
@@ -351,6 +363,19 @@ impl Flags {
             mask_pixels: mask.count(),
             unknowns,
         })
+    }
+
+    /// Names the input that is at fault.
+    fn refusal(&self, error: BaseMeshError) -> Failure {
+        match (&error, &self.k, &self.profile, &self.regions) {
+            _ if error.is_cancelled() => Failure::Cancelled,
+            (BaseMeshError::Tangent(_), Some(text), ..) => {
+                Failure::of(format!("--k '{text}'"), error)
+            }
+            (BaseMeshError::Tangent(_), _, Some(file), _)
+            | (BaseMeshError::Tangent(_), _, _, Some(file)) => Failure::of(file.display(), error),
+            _ => Failure::of(self.mask.display(), error),
+        }
     }
 
     fn with_copies(

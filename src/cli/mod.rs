@@ -13,6 +13,7 @@
 
 mod bench;
 mod clock;
+mod crown;
 mod demo;
 mod exemplars;
 mod failure;
@@ -33,6 +34,7 @@ mod segment;
 mod session;
 mod sheets;
 mod stamp;
+mod synthesize;
 mod table;
 mod usage;
 mod vary;
@@ -73,6 +75,8 @@ enum Command {
     Segment(segment::Flags),
     Warp(warp::Flags),
     Recolor(recolor::Flags),
+    Synthesize(synthesize::Flags),
+    Crown(crown::Flags),
     Bench(bench::Flags),
 }
 
@@ -89,6 +93,8 @@ impl Command {
             Self::Segment(flags) => flags,
             Self::Warp(flags) => flags,
             Self::Recolor(flags) => flags,
+            Self::Synthesize(flags) => flags,
+            Self::Crown(flags) => flags,
             Self::Bench(flags) => flags,
         }
     }

@@ -3,6 +3,7 @@
 //! Every mesh is watertight and lies in the mask's frame: x to the right, y down, z towards the
 //! viewer, pixels; [`super::into_world`] turns it upright.
 
+use super::cube_sphere::cube_sphere;
 use super::distance::{DistanceShape, distance_sheet};
 use super::domain::Domain;
 use super::inflation::{Inflation, InflationError, Sheet};
@@ -13,7 +14,7 @@ use super::radius::{RadiusError, merged_radius_cubemap, turned_copies};
 use super::surface::closed_surface;
 use super::tangent::{Tangent, TangentError};
 use crate::base::{Cancel, Cancelled, Progress};
-use crate::geometry::{Mesh, Point, star_shaped};
+use crate::geometry::{Mesh, Point};
 use crate::raster::{Image, Mask, Rect};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -176,9 +177,7 @@ pub(super) fn star_around(
     cancel: &Cancel,
 ) -> Result<Mesh, RadiusError> {
     let radius = merged_radius_cubemap(meshes, center, 2 * cells, cancel)?;
-    Ok(star_shaped(center, cells, |direction| {
-        f64::from(radius.sampled(direction))
-    }))
+    Ok(cube_sphere(&radius, center, cells).mesh)
 }
 
 /// Cells for a star-shaped mesh over `bounds` whose triangles are as large as a pixel or two.

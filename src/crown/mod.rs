@@ -9,8 +9,11 @@
 
 mod base_mesh;
 mod center;
+mod chamfer;
+mod cube_sphere;
 mod distance;
 mod domain;
+mod envelope;
 mod expression;
 mod height;
 mod inflation;
@@ -31,8 +34,10 @@ pub use base_mesh::{
     BaseMesh, BaseMeshError, Method, base_mesh, copies_merged, sheet_surface, star_cells,
 };
 pub use center::crown_center;
+pub use cube_sphere::{CubeSphere, cube_sphere, grid_line};
 pub use distance::{DistanceShape, distance_sheet, distances_to_silhouette};
 pub use domain::{Domain, RingPixel};
+pub use envelope::{Envelope, envelope};
 pub use expression::{Expression, ExpressionError};
 pub use height::{height_cubemap, radius_with_relief};
 pub use inflation::{Inflation, InflationError, Sheet};

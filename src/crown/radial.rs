@@ -12,9 +12,10 @@
 //! Known weakness: rings around the axis, concave outlines filled by turning.
 
 use super::center::crown_center;
+use super::cube_sphere::cube_sphere;
 use crate::base::{Cancel, Cancelled};
-use crate::geometry::{Mesh, Point, star_shaped};
-use crate::raster::Mask;
+use crate::geometry::{Mesh, Point};
+use crate::raster::{Cubemap, Mask};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
@@ -94,11 +95,10 @@ impl RadialSilhouette {
         self.radius(from_up) * (1.0 - share) + self.radius(-from_up) * share
     }
 
-    /// The body as a watertight mesh in the mask's frame and pixels, see [`star_shaped`].
+    /// The body as a watertight mesh in the mask's frame and pixels, see [`cube_sphere`].
     pub fn mesh(&self, cells: u32) -> Mesh {
-        star_shaped(self.center.extend(0.0), cells, |direction| {
-            self.reach(direction)
-        })
+        let radius = Cubemap::from_directions(2 * cells, |direction| self.reach(direction) as f32);
+        cube_sphere(&radius, self.center.extend(0.0), cells).mesh
     }
 }
 

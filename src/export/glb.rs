@@ -360,12 +360,13 @@ fn singles(values: &[DVec3]) -> Vec<[f32; 3]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::star_shaped;
-    use crate::raster::{Compression, Straight, encode_png};
+    use crate::crown::cube_sphere;
+    use crate::raster::{Compression, Cubemap, Straight, encode_png};
 
     #[test]
     fn a_file_reads_back_as_what_was_written() {
-        let mesh = star_shaped(DVec3::new(0.0, 5.0, 0.0), 4, |d| 2.0 + 0.2 * d.x);
+        let radius = Cubemap::from_directions(8, |d| (2.0 + 0.2 * d.x) as f32);
+        let mesh = cube_sphere(&radius, DVec3::new(0.0, 5.0, 0.0), 4).mesh;
         let uvs: Vec<[f32; 2]> = mesh.positions.iter().map(|p| [p.x as f32, 0.5]).collect();
         let colors = vec![[10, 20, 30, 255]; mesh.positions.len()];
         let picture = crate::raster::Image::filled(4, 2, Straight([9, 8, 7, 255]));
@@ -412,7 +413,7 @@ mod tests {
 
     #[test]
     fn what_does_not_fit_is_refused() {
-        let mesh = star_shaped(DVec3::ZERO, 2, |_| 1.0);
+        let mesh = cube_sphere(&Cubemap::filled(4, 1.0), DVec3::ZERO, 2).mesh;
         let short = [[0.0; 2]; 3];
         let misfit = MeshParts {
             uvs: Some(&short),

@@ -4,3 +4,9 @@
 //! the same inputs give the same bytes.
 //!
 //! Imports `base`, `raster`, `geometry`, `crown`, `synth`, `scene`.
+
+mod crown;
+mod frame;
+
+pub use crown::{CrownError, CrownSettings, CrownShape, TRUNK_SHARE, crown, crown_shape};
+pub use frame::CrownFrame;

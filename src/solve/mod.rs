@@ -1,4 +1,5 @@
-//! Large sparse linear systems on pixel grids: assembled once, factorised once, solved many times.
+//! Large sparse problems on pixel grids: linear systems, assembled once, factorised once, solved many
+//! times; and minimum cuts of flow networks ([`Network`]).
 //!
 //! A [`GridSystem`] is a set of pixels with one of two [`Stencil`]s, the negative Laplacian or the
 //! bilaplacian; what lies outside the set is zero or belongs to the right-hand side. Two solvers:
@@ -17,12 +18,16 @@ mod factor;
 mod galerkin;
 mod grid;
 mod level;
+mod min_cut;
 mod multigrid;
+mod network;
 mod poisson;
 mod solver;
 
 pub use factor::Factor;
 pub use grid::{GridSystem, Stencil};
+pub use min_cut::Cut;
 pub use multigrid::{Iterated, Multigrid};
+pub use network::{Edge, HARD, Network};
 pub use poisson::poisson;
 pub use solver::{Method, Solver};

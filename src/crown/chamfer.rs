@@ -23,7 +23,8 @@ pub(super) fn chamfer(targets: &Mask, beyond: bool) -> Image<u32> {
         }
     }
     let steps = [(1, 3), (stride, 3), (stride - 1, 4), (stride + 1, 4)];
-    let inner = stride + 1..distance.len() - stride - 1;
+    // Without the frame's own columns: their neighbours are at the other end of a row.
+    let inner = (1..=height).flat_map(|y| (1..=width).map(move |x| y * stride + x));
     for at in inner.clone() {
         let least = steps.map(|(step, cost)| distance[at - step] + cost);
         distance[at] = least.into_iter().fold(distance[at], u32::min);

@@ -24,6 +24,7 @@ mod seam;
 mod similar;
 mod statistics;
 mod texture;
+mod unique;
 
 pub use canvas::Known;
 pub use exemplar::{Exemplar, ExemplarSettings, FEWEST_PIXELS, MOST_LEVELS};

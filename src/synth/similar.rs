@@ -64,13 +64,18 @@ const NO_MATCH: Match = Match {
 
 type Matches = [Match; SIMILAR];
 
-/// For each pixel of `level` the usable pixels most like it, [`NOWHERE`] for what is not usable and
-/// where too few were found.
-pub(super) fn similar(
-    level: &Level,
-    seed: Seed,
-    cancel: &Cancel,
-) -> Result<Vec<[u32; SIMILAR]>, Cancelled> {
+/// What was found for the pixels of a level.
+#[derive(Debug, Clone)]
+pub(super) struct Similar {
+    /// For each pixel the usable pixels most like it, from the best; [`NOWHERE`] for what is not
+    /// usable and where too few were found.
+    pub(super) places: Vec<[u32; SIMILAR]>,
+    /// The squared distance of the best; infinite where there is none.
+    pub(super) distances: Vec<f32>,
+}
+
+/// For each pixel of `level` the usable pixels most like it.
+pub(super) fn similar(level: &Level, seed: Seed, cancel: &Cancel) -> Result<Similar, Cancelled> {
     let search = Search::new(level, seed, cancel)?;
     let mut found = vec![[NO_MATCH; SIMILAR]; level.usable.len()];
     for round in 0..=ROUNDS {
@@ -86,10 +91,13 @@ pub(super) fn similar(
             .collect();
         found = next?.concat();
     }
-    Ok(found
-        .iter()
-        .map(|found| found.map(|one| one.index))
-        .collect())
+    Ok(Similar {
+        places: found
+            .iter()
+            .map(|found| found.map(|one| one.index))
+            .collect(),
+        distances: found.iter().map(|found| found[0].distance).collect(),
+    })
 }
 
 struct Search<'a> {
@@ -287,7 +295,7 @@ mod tests {
     #[test]
     fn the_copy_of_a_place_is_found() {
         let level = twice();
-        let found = similar(&level, Seed(1), &Cancel::new()).unwrap();
+        let found = similar(&level, Seed(1), &Cancel::new()).unwrap().places;
         let mut right = 0;
         for y in 4..36 {
             for x in 4..28 {

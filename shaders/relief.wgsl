@@ -40,7 +40,7 @@ struct Hit {
 const PROXY: f32 = 1.258409;
 
 fn level_for(size: u32, levels: u32, radius_samples: f32) -> f32 {
-    let texels = f32(size) * 0.6366 / radius_samples;
+    let texels = f32(size) * 0.63661977 / radius_samples;
     return min(log2(max(texels, 1.0)), f32(levels - 1u));
 }
 

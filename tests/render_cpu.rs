@@ -3,7 +3,7 @@
 use boscage::base::{Cancel, Progress};
 use boscage::geometry::Mesh;
 use boscage::raster::{Cubemap, Image, Straight};
-use boscage::render::{PreparedCrown, RenderSettings, Shortcut, View, View3d, cpu};
+use boscage::render::{PreparedCrown, RenderSettings, SceneView, Shortcut, View, cpu};
 use boscage::scene::{Backdrop, Camera, Crown, CrownInstance, Light};
 use glam::DVec3;
 
@@ -45,17 +45,28 @@ fn lumpy() -> Crown {
     )
 }
 
-fn picture(crown: &Crown, camera: &Camera, settings: &RenderSettings) -> Image<Straight> {
-    let cancel = Cancel::new();
-    let prepared = [PreparedCrown::new(crown, &cancel).unwrap()];
-    let view = View3d {
+/// What `draw` makes of a view of the crown alone.
+fn seen<T>(crown: &Crown, camera: &Camera, draw: impl FnOnce(&SceneView<'_>) -> T) -> T {
+    let prepared = [PreparedCrown::new(crown, &Cancel::new()).unwrap()];
+    draw(&SceneView {
         crowns: &prepared,
         instances: &[CrownInstance::plain(0)],
         camera,
         light: &Light::default(),
         backdrop: Backdrop::Clear,
-    };
-    cpu::picture(&view, settings, &Progress::silent(), &cancel).unwrap()
+    })
+}
+
+fn picture(crown: &Crown, camera: &Camera, settings: &RenderSettings) -> Image<Straight> {
+    seen(crown, camera, |view| {
+        cpu::picture(view, settings, &Progress::silent(), &Cancel::new()).unwrap()
+    })
+}
+
+fn distances(crown: &Crown, camera: &Camera, settings: &RenderSettings) -> Image<f32> {
+    seen(crown, camera, |view| {
+        cpu::distances_m(view, settings, &Cancel::new()).unwrap()
+    })
 }
 
 fn front() -> Camera {
@@ -97,10 +108,14 @@ fn on_ball(camera: &Camera, ray: DVec3) -> Option<DVec3> {
 fn a_ball_is_the_analytic_ball() {
     const SIZE: u32 = 256;
     let ball = ball();
+    // The longest linear step, halved as often as the default has it, and the rounding of floats.
+    let defaults = RenderSettings::default().relief;
+    let linear_step = 6.0 / f64::from(defaults.least_steps);
+    let binary_step = linear_step / 2f64.powi(defaults.halvings as i32) + 1e-5;
     for (yaw, pitch) in [(0.0, 0.0), (45.0, 35.26), (120.0, -60.0), (0.0, 89.0)] {
         let camera = front().orbited(yaw, pitch);
         let normals = picture(&ball, &camera, &square(SIZE, View::Normals));
-        let depths = picture(&ball, &camera, &square(SIZE, View::Depth));
+        let depths = distances(&ball, &camera, &square(SIZE, View::Picture));
         let mut seen = 0;
         for y in 0..SIZE {
             for x in 0..SIZE {
@@ -114,17 +129,14 @@ fn a_ball_is_the_analytic_ball() {
                 assert_eq!(alpha == 255, expected.is_some(), "{x} {y}");
                 let Some(point) = expected else { continue };
                 seen += 1;
-                let decoded = |image: &Image<Straight>| {
-                    let texel = image.at(x, y).0;
-                    [0, 1, 2].map(|i| linear(texel[i]))
-                };
-                let normal = DVec3::from(decoded(&normals)) * 2.0 - DVec3::ONE;
+                let texel = normals.at(x, y).0;
+                let normal = DVec3::from([0, 1, 2].map(|i| linear(texel[i]))) * 2.0 - DVec3::ONE;
                 let off = libm::acos(normal.normalize().dot(point / 3.0).min(1.0)).to_degrees();
                 assert!(off < 1.0, "{x} {y}: {off} degrees");
-                let distance = 1.0 / decoded(&depths)[0] - 1.0;
-                let exact = (point + DVec3::new(0.0, 5.0, 0.0) - camera.eye_m()).length();
-                // One binary step is far below what 8 bits of depth tell.
-                assert!((distance - exact).abs() < 0.01 * exact, "{x} {y}");
+                let there = point + DVec3::new(0.0, 5.0, 0.0) - camera.eye_m();
+                let exact = there.dot(camera.axes().forward);
+                let off = (f64::from(depths.at(x, y)) - exact).abs();
+                assert!(off < binary_step, "{x} {y}: {off} m");
             }
         }
         assert!(seen > 20_000, "{seen}");

@@ -26,6 +26,7 @@ mod output;
 mod polygons;
 mod recolor;
 mod records;
+mod render;
 mod reporter;
 mod samples;
 mod segment;
@@ -72,6 +73,7 @@ enum Command {
     Segment(segment::Flags),
     Warp(warp::Flags),
     Recolor(recolor::Flags),
+    Render(render::Flags),
     Synthesize(synthesize::Flags),
     Bench(bench::Flags),
 }
@@ -88,6 +90,7 @@ impl Command {
             Self::Segment(flags) => flags,
             Self::Warp(flags) => flags,
             Self::Recolor(flags) => flags,
+            Self::Render(flags) => flags,
             Self::Synthesize(flags) => flags,
             Self::Bench(flags) => flags,
         }

@@ -11,7 +11,7 @@ use glam::Vec3;
 
 /// What a picture is made of.
 #[derive(Debug, Clone, Copy)]
-pub struct View3d<'a> {
+pub struct SceneView<'a> {
     /// The crowns there are.
     pub crowns: &'a [PreparedCrown],
     /// Where they stand.
@@ -132,7 +132,7 @@ pub struct InstanceNumbers {
 
 impl Frame {
     /// The numbers of a picture.
-    pub fn new(view: &View3d<'_>, settings: &RenderSettings) -> Self {
+    pub fn new(view: &SceneView<'_>, settings: &RenderSettings) -> Self {
         let fine = settings.fineness;
         let size = [settings.size.0 * fine, settings.size.1 * fine].map(|side| side as f32);
         let axes = view.camera.axes();
@@ -282,7 +282,7 @@ mod tests {
             pitch_deg: 21.0,
             fov_y_deg: 40.0,
         };
-        let view = View3d {
+        let view = SceneView {
             crowns: &[],
             instances: &[],
             camera: &camera,

@@ -3,7 +3,7 @@
 use super::ambient::{AMBIENT_SIZE, ambient_occlusion};
 use super::color::{linear, srgb_byte};
 use super::packed_cube::PackedCube;
-use crate::base::{Cancel, Cancelled};
+use crate::base::{Cancel, Cancelled, Digest, Hasher};
 use crate::raster::{Cubemap, Straight};
 use crate::scene::Crown;
 use glam::Vec3;
@@ -19,6 +19,8 @@ pub struct PreparedCrown {
     pub(crate) center: Vec3,
     /// R_min and R_max of thesis §5.1, metres.
     pub(crate) radius_range: (f32, f32),
+    /// Of all the above: by it a renderer knows a crown again.
+    pub(crate) digest: Digest,
 }
 
 /// Light and alpha of a texel of colour while its levels are made.
@@ -36,11 +38,17 @@ impl PreparedCrown {
         let radius = PackedCube::new(crown.radius_m.clone(), mean, |x| x);
         let ambient = ambient_occlusion(&radius, AMBIENT_SIZE, cancel)?;
         let surface = PackedCube::new(with_ambient(&crown.color, &ambient), mean_texel, packed);
+        let digest = Hasher::new("boscage prepared crown")
+            .with(bytemuck::cast_slice(radius.texels()))
+            .with(bytemuck::cast_slice(surface.texels()))
+            .with(bytemuck::bytes_of(&crown.center_m))
+            .finish();
         Ok(Self {
             radius,
             surface,
             center: crown.center_m.as_vec3(),
             radius_range: (least, most),
+            digest,
         })
     }
 

@@ -65,7 +65,6 @@ pub(super) fn draw(frame: &Frame, drawn: &Drawn<'_>, band: &mut Band<'_>) {
 }
 
 /// Columns and rows of the band that the R_max sphere can reach: first, and one after the last.
-#[expect(clippy::type_complexity, reason = "two ranges")]
 fn reach(frame: &Frame, drawn: &Drawn<'_>, band: &Band<'_>) -> Option<((u32, u32), (u32, u32))> {
     let offset = Vec3::from(drawn.instance.center) - Vec3::from(frame.eye);
     let radius = drawn.numbers.radius_range[1] * drawn.instance.scale;
@@ -109,8 +108,9 @@ impl March {
         let radius_samples = most / (distance * frame.sample_size);
         let steps =
             (radius_samples * frame.steps_a_sample).clamp(frame.least_steps, frame.most_steps);
-        // A quarter turn spans a face, and π/2 times the radius.
-        let texels_a_sample = |size: u32| size as f32 * 0.636_6 / radius_samples;
+        // A face spans a quarter turn: π/2 of the radius.
+        let texels_a_sample =
+            |size: u32| size as f32 * std::f32::consts::FRAC_2_PI / radius_samples;
         let level = |size: u32, levels: u32| {
             let level = libm::log2f(texels_a_sample(size).max(1.0));
             level.min((levels - 1) as f32)

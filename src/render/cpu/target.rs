@@ -1,5 +1,6 @@
 //! What the passes draw into: light and depth of every sample.
 
+use crate::raster::Image;
 use rayon::prelude::*;
 
 /// Rows that are drawn together.
@@ -59,6 +60,11 @@ impl Target {
 
     pub(super) fn width(&self) -> u32 {
         self.width
+    }
+
+    /// The depth of all samples.
+    pub(super) fn depth(&self) -> Image<f32> {
+        Image::from_pixels(self.width, self.height, self.depth.clone())
     }
 
     pub(super) fn light(&self, x: u32, y: u32) -> [f32; 4] {

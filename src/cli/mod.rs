@@ -28,6 +28,7 @@ mod output;
 mod polygons;
 mod recolor;
 mod records;
+mod render;
 mod reporter;
 mod samples;
 mod segment;
@@ -75,6 +76,7 @@ enum Command {
     Segment(segment::Flags),
     Warp(warp::Flags),
     Recolor(recolor::Flags),
+    Render(render::Flags),
     Synthesize(synthesize::Flags),
     Crown(crown::Flags),
     Bench(bench::Flags),
@@ -93,6 +95,7 @@ impl Command {
             Self::Segment(flags) => flags,
             Self::Warp(flags) => flags,
             Self::Recolor(flags) => flags,
+            Self::Render(flags) => flags,
             Self::Synthesize(flags) => flags,
             Self::Crown(flags) => flags,
             Self::Bench(flags) => flags,

@@ -4,3 +4,29 @@
 //! chapter 5 ("the thesis" below).
 //!
 //! Imports `base`, `raster`, `geometry`, `scene`.
+
+mod ambient;
+mod color;
+pub mod cpu;
+mod error;
+mod frame;
+mod gpu;
+mod packed_cube;
+mod prepared;
+mod proxy;
+mod renderer;
+mod settings;
+mod shaders;
+mod surface;
+
+pub use error::RenderError;
+pub use frame::{CrownNumbers, Frame, InstanceNumbers, SceneView};
+pub use gpu::{Gpu, GpuRenderer};
+pub use packed_cube::PackedCube;
+pub use prepared::PreparedCrown;
+pub use proxy::Proxy;
+pub use renderer::{Backend, Renderer};
+pub use settings::{
+    LeafClip, LeafSettings, Mode, Occlusion, ReliefSettings, RenderSettings, Shortcut, View,
+};
+pub use shaders::Pass;

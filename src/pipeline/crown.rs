@@ -212,7 +212,7 @@ pub fn crown(
     drop(stage);
     let stage = progress.stage("relief", 1);
     let height = height_cubemap(&color, &settings.relief, cancel)?;
-    let radius_m = radius_with_relief(&base_m, &height, settings.rho);
+    let radius_m = radius_with_relief(&base_m, &height, settings.rho, settings.relief.steepest);
     stage.advance();
     drop(stage);
     Ok(Crown {

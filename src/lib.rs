@@ -14,6 +14,8 @@ pub mod contour;
 
 pub mod segment;
 
+pub mod paint;
+
 pub mod branches;
 
 pub mod variation;
@@ -25,6 +27,8 @@ pub mod synth;
 pub mod scene;
 
 pub mod pipeline;
+
+pub mod jobs;
 
 pub mod render;
 

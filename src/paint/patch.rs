@@ -1,7 +1,8 @@
 //! The difference between two masks of one picture: what an undo step keeps.
 
 use super::pack::{PackError, PackedTile};
-use super::tiled::{TILE, Tile, TiledMask, area};
+use super::tiled::{TILE, Tile, TiledMask, area, joined};
+use crate::raster::Rect;
 use serde::{Deserialize, Serialize};
 
 /// Most pixels of a mask that is read from a file: the most that pictures have.
@@ -67,6 +68,17 @@ impl MaskPatch {
             mask.set_tile(index, tile);
         }
         Ok(())
+    }
+
+    /// The smallest rectangle of whole tiles around what differs.
+    pub fn bounds(&self) -> Option<Rect> {
+        // Of a mask only its size counts here.
+        let mask = TiledMask::filled(self.size.0, self.size.1, 0);
+        let indices = self.tiles.iter().map(|(index, ..)| *index as usize);
+        let rects = indices.filter(|&index| index < mask.tiles().len());
+        rects.fold(None, |bounds, index| {
+            joined(bounds, Some(mask.tile_rect(index)))
+        })
     }
 
     /// Bytes in memory.
@@ -135,7 +147,6 @@ fn number(bytes: &[u8]) -> Result<(u32, &[u8]), PackError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::raster::Rect;
     use proptest::prelude::*;
 
     fn two_masks(x: u32, y: u32, label: u8) -> (TiledMask, TiledMask) {

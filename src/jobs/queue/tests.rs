@@ -257,16 +257,19 @@ fn progress_is_seen_and_pauses_the_work() {
 fn shutting_down_stops_all_and_says_when_it_could_not() {
     let jobs = Jobs::new(2, || {});
     let (tell, told) = channel::<()>();
+    let (begun, has_begun) = channel::<()>();
     jobs.submit(Request::new(
         "deaf",
         topic(1),
         Priority::Preview,
         move |_| {
+            begun.send(()).unwrap();
             let _ = told.recv();
             Ok(1)
         },
     ));
     let waiting = held(&jobs, 2, Priority::Background);
+    has_begun.recv().unwrap();
     assert!(!jobs.shut_down(Duration::from_millis(30)));
     tell.send(()).unwrap();
     assert!(jobs.shut_down(PATIENCE));

@@ -32,6 +32,7 @@ mod segment;
 mod session;
 mod sheets;
 mod stamp;
+mod synthesize;
 mod table;
 mod usage;
 mod vary;
@@ -71,6 +72,7 @@ enum Command {
     Segment(segment::Flags),
     Warp(warp::Flags),
     Recolor(recolor::Flags),
+    Synthesize(synthesize::Flags),
     Bench(bench::Flags),
 }
 
@@ -86,6 +88,7 @@ impl Command {
             Self::Segment(flags) => flags,
             Self::Warp(flags) => flags,
             Self::Recolor(flags) => flags,
+            Self::Synthesize(flags) => flags,
             Self::Bench(flags) => flags,
         }
     }

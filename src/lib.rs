@@ -26,6 +26,8 @@ pub mod synth;
 
 pub mod scene;
 
+pub mod document;
+
 pub mod pipeline;
 
 pub mod jobs;

@@ -12,6 +12,7 @@
 
 mod brush;
 mod flood;
+mod livewire;
 mod morphology;
 mod pack;
 mod patch;
@@ -21,6 +22,7 @@ mod whole;
 
 pub use brush::{BrushSettings, Sample, Stroke};
 pub use flood::{Reach, color_selection, region_selection};
+pub use livewire::Livewire;
 pub use morphology::{grown, shrunk, smoothed};
 pub use pack::{PackError, PackedTile};
 pub use patch::{MaskPatch, Side};

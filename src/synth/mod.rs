@@ -28,8 +28,8 @@ mod statistics;
 mod texture;
 
 pub use assembly::{assembled, band, even_angles, texture_sizes};
-pub use cube_seam::cube_seam;
 pub use canvas::Known;
+pub use cube_seam::cube_seam;
 pub use exemplar::{Exemplar, ExemplarSettings, FEWEST_PIXELS, MOST_LEVELS};
 pub use seam::{Seam, Side, StepCost, seam};
 pub use statistics::{patch_distance, repeated_share};

@@ -11,12 +11,14 @@
 //! Imports `base`, `raster`, `geometry`, `solve`, `segment`.
 
 mod brush;
+mod color_model;
 mod flood;
 mod livewire;
 mod morphology;
 mod pack;
 mod patch;
 mod polygon;
+mod smart;
 mod tiled;
 mod whole;
 
@@ -27,5 +29,6 @@ pub use morphology::{grown, shrunk, smoothed};
 pub use pack::{PackError, PackedTile};
 pub use patch::{MaskPatch, Side};
 pub use polygon::{FillRule, polygon_selection};
+pub use smart::{INSIDE, OUTSIDE, smart_selection};
 pub use tiled::{BACKGROUND, CROWN, Over, Paint, TILE, TRUNK, TiledMask, joined, painted};
 pub use whole::{Mirror, holes_filled, inverted, mirrored, without_specks};

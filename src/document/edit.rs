@@ -58,11 +58,11 @@ pub enum EditError {
     Invalid(String),
 }
 
+/// The bytes of a photograph's file and their digest.
+type Blob = (Digest, Arc<[u8]>);
+
 /// `state` after `edit`, and the bytes of a photograph that came with it.
-pub(super) fn edited(
-    state: &State,
-    edit: Edit,
-) -> Result<(State, Option<(Digest, Arc<[u8]>)>), EditError> {
+pub(super) fn edited(state: &State, edit: Edit) -> Result<(State, Option<Blob>), EditError> {
     let mut new = state.clone();
     let mut blob = None;
     match edit {

@@ -305,11 +305,23 @@ mod tests {
     #[test]
     fn few_or_equal_samples_do() {
         assert!(ColorModel::fit(&[]).is_none());
-        assert!(
-            ColorModel::fit(&[[7, 7, 7]; 40])
-                .unwrap()
-                .cost([7, 7, 7])
-                .is_finite()
-        );
+        let model = ColorModel::fit(&[([7, 7, 7], [0.0, 1.0]); 40]).unwrap();
+        assert!(model.cost([7, 7, 7], [1.0, 0.0]).is_finite());
+    }
+
+    #[test]
+    fn grass_below_says_little_of_green_above() {
+        let (sky, grass) = ([150, 170, 220], [60, 110, 40]);
+        let samples: Vec<_> = (0..200)
+            .map(|i| {
+                if i % 2 == 0 {
+                    (sky, [0.5, 0.1])
+                } else {
+                    (grass, [0.5, 0.9])
+                }
+            })
+            .collect();
+        let model = ColorModel::fit(&samples).unwrap();
+        assert!(model.cost(grass, [0.5, 0.1]) > model.cost(grass, [0.5, 0.9]) + 3.0);
     }
 }

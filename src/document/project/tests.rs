@@ -263,7 +263,7 @@ fn random_edit(document: &Document, kind: u8, which: u32, value: u32) -> Edit {
                 photo: id,
                 weight: share,
             }],
-            like: Some(id).filter(|_| value % 2 == 0),
+            like: Some(id).filter(|_| value.is_multiple_of(2)),
             seed: u64::from(value),
             ..VariationSettings::default()
         })),

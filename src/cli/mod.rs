@@ -15,6 +15,9 @@ mod bench;
 mod clock;
 mod demo;
 mod exemplars;
+mod export;
+mod export_pages;
+mod export_tree;
 mod failure;
 mod input;
 mod inspect;
@@ -32,6 +35,7 @@ mod segment;
 mod session;
 mod sheets;
 mod stamp;
+mod synthesize;
 mod table;
 mod usage;
 mod vary;
@@ -71,6 +75,8 @@ enum Command {
     Segment(segment::Flags),
     Warp(warp::Flags),
     Recolor(recolor::Flags),
+    Synthesize(synthesize::Flags),
+    Export(Box<export::Flags>),
     Bench(bench::Flags),
 }
 
@@ -86,6 +92,8 @@ impl Command {
             Self::Segment(flags) => flags,
             Self::Warp(flags) => flags,
             Self::Recolor(flags) => flags,
+            Self::Synthesize(flags) => flags,
+            Self::Export(flags) => flags.as_ref(),
             Self::Bench(flags) => flags,
         }
     }

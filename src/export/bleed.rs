@@ -1,18 +1,16 @@
 //! Colour continued under clear texels, so that no filter ever mixes in the colour of nothing.
 //!
 //! A texture unit interpolates colour and alpha separately: beside the last leaf it reads the
-//! colour of a texel that nobody sees. If that is black, the leaf gets a dark fringe. Here clear
-//! texels get the colours of the nearest leaves by push and pull (Gortler, Grzeszczuk, Szeliski &
-//! Cohen, *The Lumigraph*, 1996): a pyramid of averages weighted by alpha, then every texel takes
-//! from the coarser level what it lacks. Linear in the number of texels, smooth, and without the
-//! streaks of a nearest-texel fill.
+//! colour of a texel that nobody sees. If that is black, the leaf gets a dark fringe. Here each
+//! clear texel gets the colour of the nearest one that is not clear, exactly: the distance
+//! transform of Felzenszwalb & Huttenlocher (*Distance transforms of sampled functions*, 2012),
+//! which keeps with each distance the texel it belongs to. Linear in the number of texels. (Push and
+//! pull, which is smoother, mixes colours from beyond the gap as soon as two texels away.)
+//!
+//! Of several at the same distance any may be taken, always the same.
 
 use crate::raster::{Image, Straight};
 use rayon::prelude::*;
-
-/// How much weight makes an average complete. A coarse texel of which a quarter is leaf is as good
-/// as a full one; with 1 far colours would wash into the gaps, with less it gets blocky.
-const ENOUGH: f32 = 0.25;
 
 /// `image` with colour under its clear texels; alpha and the colours of all others stay.
 ///
@@ -32,7 +30,7 @@ pub fn bled(image: &Image<Straight>) -> Image<Straight> {
 }
 
 /// `map` with all four channels continued from where `alpha` is above 0 to where it is 0: for maps
-/// that belong to a picture of that alpha.
+/// that belong to a picture of that alpha. Nothing changes where no alpha is above 0.
 ///
 /// # Panics
 /// When the two have different sizes.
@@ -42,173 +40,129 @@ pub fn bled_from(map: &Image<Straight>, alpha: &Image<u8>) -> Image<Straight> {
         (alpha.width(), alpha.height()),
         "a map is as large as its picture"
     );
-    let pyramid = pushed(map, alpha);
-    let filled = pulled(&pyramid);
+    let nearest_rows = nearest_rows(alpha);
+    let width = map.width() as usize;
     let mut out = map.clone();
-    let known = alpha.pixels().par_iter().zip(&filled.texels);
     out.pixels_mut()
-        .par_iter_mut()
-        .zip(known)
-        .filter(|(_, (alpha, _))| **alpha == 0)
-        .for_each(|(out, (_, [r, g, b, a, _]))| *out = Straight([*r, *g, *b, *a].map(rounded)));
-    out
-}
-
-fn rounded(value: f32) -> u8 {
-    (value + 0.5).clamp(0.0, 255.0) as u8
-}
-
-/// Weighted sums: four channels times weight, and the weight (0 to 1).
-type Texel = [f32; 5];
-
-struct Level {
-    width: usize,
-    height: usize,
-    texels: Vec<Texel>,
-}
-
-/// From the whole picture down to one texel.
-fn pushed(map: &Image<Straight>, alpha: &Image<u8>) -> Vec<Level> {
-    let texels = map.pixels().par_iter().zip(alpha.pixels());
-    let first = Level {
-        width: map.width() as usize,
-        height: map.height() as usize,
-        texels: texels
-            .map(|(pixel, &alpha)| {
-                let weight = f32::from(alpha) / 255.0;
-                let [r, g, b, a] = pixel.0.map(|value| f32::from(value) * weight);
-                [r, g, b, a, weight]
-            })
-            .collect(),
-    };
-    let mut levels = vec![first];
-    while let Some(last) = levels.last().filter(|last| last.width.max(last.height) > 1) {
-        let next = halved(last);
-        levels.push(next);
-    }
-    levels
-}
-
-fn halved(level: &Level) -> Level {
-    let (width, height) = (level.width.div_ceil(2), level.height.div_ceil(2));
-    let mut texels = vec![[0.0; 5]; width * height];
-    texels
         .par_chunks_mut(width)
         .enumerate()
         .for_each(|(y, row)| {
-            let rows = 2 * y..(2 * y + 2).min(level.height);
-            for (x, out) in row.iter_mut().enumerate() {
-                let columns = 2 * x..(2 * x + 2).min(level.width);
-                for source in rows.clone().map(|row| row * level.width) {
-                    for texel in &level.texels[source + columns.start..source + columns.end] {
-                        for (sum, value) in out.iter_mut().zip(texel) {
-                            *sum += 0.25 * value;
-                        }
-                    }
-                }
+            if alpha.row(y as u32).iter().all(|&alpha| alpha > 0) {
+                return;
+            }
+            let rows = &nearest_rows[y * width..(y + 1) * width];
+            let Some(columns) = nearest_columns(rows, y) else {
+                return;
+            };
+            for (x, pixel) in row.iter_mut().enumerate() {
+                let column = columns[x];
+                *pixel = map.at(column, rows[column as usize]);
             }
         });
-    Level {
-        width,
-        height,
-        texels,
-    }
-}
-
-/// From one texel up to the whole picture: full colours everywhere, of weight 1.
-fn pulled(pyramid: &[Level]) -> Level {
-    let mut coarse: Option<Level> = None;
-    for level in pyramid.iter().rev() {
-        let mut texels = level.texels.clone();
-        texels
-            .par_chunks_mut(level.width)
-            .enumerate()
-            .for_each(|(y, row)| {
-                for (x, texel) in row.iter_mut().enumerate() {
-                    let below = coarse.as_ref().map(|coarse| interpolated(coarse, x, y));
-                    *texel = completed(*texel, below);
-                }
-            });
-        coarse = Some(Level {
-            width: level.width,
-            height: level.height,
-            texels,
-        });
-    }
-    coarse.unwrap_or_else(|| unreachable!("a picture has a level"))
-}
-
-/// The colour of a weighted sum, completed by that of the coarser level.
-fn completed(sum: Texel, below: Option<Texel>) -> Texel {
-    let weight = sum[4];
-    let below = below.unwrap_or([0.0; 5]);
-    if weight <= 0.0 {
-        return [below[0], below[1], below[2], below[3], 1.0];
-    }
-    let share = (weight / ENOUGH).min(1.0);
-    let mut out = [1.0; 5];
-    for channel in 0..4 {
-        let own = sum[channel] / weight;
-        out[channel] = if below[4] > 0.0 {
-            below[channel] + share * (own - below[channel])
-        } else {
-            own
-        };
-    }
     out
 }
 
-/// Bilinear sample of the coarser level at texel (x, y) of the finer one.
-fn interpolated(coarse: &Level, x: usize, y: usize) -> Texel {
-    // The neighbour on the side where the fine texel lies takes a quarter.
-    let taps = |at: usize, count: usize| {
-        let near = at / 2;
-        let far = if at.is_multiple_of(2) {
-            near.saturating_sub(1)
-        } else {
-            (near + 1).min(count - 1)
-        };
-        [(near, 0.75), (far, 0.25)]
-    };
-    let mut out = [0.0; 5];
-    for (row, across) in taps(y, coarse.height) {
-        for (column, down) in taps(x, coarse.width) {
-            let texel = &coarse.texels[row * coarse.width + column];
-            for (sum, value) in out.iter_mut().zip(texel) {
-                *sum += across * down * value;
+/// Where a column has no texel above 0.
+const NONE: u32 = u32::MAX;
+
+/// For each texel the row of the nearest one above 0 in its column.
+fn nearest_rows(alpha: &Image<u8>) -> Vec<u32> {
+    let (width, height) = (alpha.width() as usize, alpha.height() as usize);
+    let mut nearest = vec![NONE; width * height];
+    // The last one above, then the next one below where that is nearer.
+    let mut last = vec![NONE; width];
+    for y in 0..height {
+        for (x, &alpha) in alpha.row(y as u32).iter().enumerate() {
+            if alpha > 0 {
+                last[x] = y as u32;
+            }
+            nearest[y * width + x] = last[x];
+        }
+    }
+    last.fill(NONE);
+    for y in (0..height).rev() {
+        for (x, next) in last.iter_mut().enumerate() {
+            let above = nearest[y * width + x];
+            if above == y as u32 {
+                *next = above;
+            }
+            if *next != NONE && (above == NONE || *next - y as u32 <= y as u32 - above) {
+                nearest[y * width + x] = *next;
             }
         }
     }
-    out
+    nearest
+}
+
+/// For each texel of row `y` the column through which the nearest texel is reached: the lower
+/// envelope of a parabola a column. `None` when there is no texel at all.
+fn nearest_columns(rows: &[u32], y: usize) -> Option<Vec<u32>> {
+    let squared = |column: usize| {
+        let down = f64::from(rows[column]) - y as f64;
+        let across = column as f64;
+        down * down + across * across
+    };
+    // Columns on the envelope, and from where on each is the nearest.
+    let mut envelope: Vec<(u32, f64)> = Vec::new();
+    for column in (0..rows.len()).filter(|&column| rows[column] != NONE) {
+        let mut from = f64::NEG_INFINITY;
+        while let Some(&(before, begins)) = envelope.last() {
+            let span = 2.0 * (column as f64 - f64::from(before));
+            from = (squared(column) - squared(before as usize)) / span;
+            if from > begins {
+                break;
+            }
+            envelope.pop();
+            from = f64::NEG_INFINITY;
+        }
+        envelope.push((column as u32, from));
+    }
+    let mut at = 0;
+    let nearest = |x: usize| {
+        while envelope
+            .get(at + 1)
+            .is_some_and(|(_, begins)| *begins <= x as f64)
+        {
+            at += 1;
+        }
+        envelope.get(at).map(|(column, _)| *column)
+    };
+    (0..rows.len()).map(nearest).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
-    #[test]
-    fn what_shows_stays_and_what_is_clear_gets_the_colour_beside_it() {
-        let mut image = Image::filled(37, 21, Straight([0, 0, 0, 0]));
-        for y in 8..12 {
-            image.set(3, y, Straight([200, 40, 20, 255]));
-            image.set(33, y, Straight([10, 160, 220, 90]));
-        }
-        let out = bled(&image);
-        for (out, pixel) in out.pixels().iter().zip(image.pixels()) {
-            assert_eq!(out.alpha(), pixel.alpha());
-            if pixel.alpha() > 0 {
-                assert_eq!(out, pixel);
+    proptest! {
+        #[test]
+        fn every_clear_texel_gets_a_nearest_colour(
+            (width, alphas) in (1u32..12).prop_flat_map(|width| {
+                let rows = 1usize..12;
+                let texels = rows.prop_flat_map(move |rows| {
+                    prop::collection::vec(prop_oneof![4 => Just(0u8), 1 => 1u8..], rows * width as usize)
+                });
+                (Just(width), texels)
+            })
+        ) {
+            let height = alphas.len() as u32 / width;
+            let place = |i: usize| (i as i64 % i64::from(width), i as i64 / i64::from(width));
+            // The colour names the texel.
+            let texel = |(i, &alpha): (usize, &u8)| Straight([i as u8, 7, 7, alpha]);
+            let image = Image::from_pixels(width, height, alphas.iter().enumerate().map(texel).collect());
+            let seen: Vec<usize> = (0..alphas.len()).filter(|&i| alphas[i] > 0).collect();
+            let out = bled(&image);
+            for (i, pixel) in out.pixels().iter().enumerate() {
+                prop_assert_eq!(pixel.alpha(), alphas[i]);
+                let squared = |j: usize| {
+                    let ((x, y), (u, v)) = (place(i), place(j));
+                    (x - u).pow(2) + (y - v).pow(2)
+                };
+                let nearest = seen.iter().map(|&j| squared(j)).min();
+                let expected = nearest.unwrap_or(0);
+                prop_assert_eq!(squared(usize::from(pixel.0[0])), expected);
             }
-            // No channel leaves the range of the two colours: nothing of the black ground comes in.
-            assert!((10..=200).contains(&out.0[0]) && out.0[1] >= 40 && out.0[2] >= 20);
         }
-        assert!(out.at(1, 9).0[0] > 150, "{:?}", out.at(1, 9));
-        assert!(out.at(35, 9).0[2] > 150, "{:?}", out.at(35, 9));
-    }
-
-    #[test]
-    fn an_empty_picture_stays_empty() {
-        let image = Image::filled(5, 3, Straight([0; 4]));
-        assert_eq!(bled(&image), image);
     }
 }

@@ -165,12 +165,13 @@ impl Glb {
 
     /// Adds a node that shows `mesh` at one place.
     pub fn placed_node(&mut self, name: &str, mesh: MeshId, place: &Instance) -> NodeId {
+        let scale = [place.scale; 3];
         self.add_node(json!({
             "name": name,
             "mesh": mesh.0,
             "translation": place.translation,
             "rotation": place.rotation(),
-            "scale": [place.scale; 3],
+            "scale": scale,
         }))
     }
 

@@ -221,7 +221,10 @@ impl Target {
             }
         }
         let miss = |scale: f32| (passing(scale) - self.coverage).abs();
-        if miss(low) < miss(high) { low } else { high }
+        // As it is, if that is as good.
+        let candidates = [1.0, high, low];
+        let better = |a: &f32, b: &f32| miss(*a).total_cmp(&miss(*b));
+        candidates.into_iter().min_by(better).unwrap_or(1.0)
     }
 }
 

@@ -70,6 +70,9 @@ pub struct PresetTree {
     pub metres_per_pixel: f64,
     /// Width and height of the part that shows, in metres.
     pub size_m: [f64; 2],
+    /// What 255 in the depth map means, in metres towards the viewer, if there is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub depth_m: Option<f64>,
     /// The cut-out mesh.
     pub cutout: CutoutRecord,
     /// How the tree was made, as recorded by the program that made it.

@@ -58,14 +58,14 @@ pub struct Placed {
 
 /// Pages and places.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct AtlasLayout {
+pub struct SpriteLayout {
     /// Width and height of each page.
     pub pages: Vec<[u32; 2]>,
     /// The place of each sprite, in the order they were given.
     pub placed: Vec<Placed>,
 }
 
-impl AtlasLayout {
+impl SpriteLayout {
     /// The frames on `page` with the indices of their sprites.
     pub fn on_page(&self, page: usize) -> impl Iterator<Item = (usize, Rect)> + '_ {
         let placed = self.placed.iter().enumerate();
@@ -82,7 +82,7 @@ impl AtlasLayout {
 pub fn atlas_layout(
     sizes: &[[u32; 2]],
     settings: AtlasSettings,
-) -> Result<AtlasLayout, AtlasError> {
+) -> Result<SpriteLayout, AtlasError> {
     let cell = |side: u32| (side + 2 * settings.padding_px).next_multiple_of(settings.alignment_px);
     if let Some(&[width, height]) = sizes
         .iter()
@@ -103,7 +103,7 @@ pub fn atlas_layout(
             i,
         )
     });
-    let mut layout = AtlasLayout {
+    let mut layout = SpriteLayout {
         pages: Vec::new(),
         placed: vec![
             Placed {
@@ -198,7 +198,7 @@ fn places(
 /// the sprites' alphas are above 0. `sprites` gives the index, the picture and the alpha of each
 /// frame.
 pub fn atlas_page<'a>(
-    layout: &AtlasLayout,
+    layout: &SpriteLayout,
     page: usize,
     mut sprite: impl FnMut(usize) -> (&'a Image<Straight>, &'a Image<u8>),
 ) -> Image<Straight> {

@@ -4,3 +4,7 @@
 //! the same inputs give the same bytes.
 //!
 //! Imports `base`, `raster`, `geometry`, `crown`, `synth`, `scene`.
+
+mod tree_maps;
+
+pub use tree_maps::{DEPTH_SHARE, TreeMaps, tree_maps};

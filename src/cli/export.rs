@@ -65,6 +65,9 @@ pub(super) struct Flags {
     /// Longer side of a tree on an atlas page, in pixels
     #[arg(long, default_value_t = 256, value_name = "PX", value_parser = clap::value_parser!(u32).range(16..=2048))]
     atlas_tree: u32,
+    /// FlightGear: trees keep their leaves in winter
+    #[arg(long)]
+    evergreen: bool,
     /// Also write wind weights as vertex colours
     #[arg(long)]
     wind_colors: bool,
@@ -117,6 +120,7 @@ pub(super) struct ExportSettings {
     pub(super) blocks: BlockFormat,
     pub(super) atlas: bool,
     pub(super) atlas_tree: u32,
+    pub(super) evergreen: bool,
     pub(super) wind: WindChannels,
     pub(super) rights: LicenseRecord,
 }
@@ -207,6 +211,7 @@ impl Flags {
             blocks: self.blocks.format(),
             atlas: self.atlas,
             atlas_tree: self.atlas_tree,
+            evergreen: self.evergreen,
             wind: if self.wind_colors {
                 WindChannels::AttributeAndColors
             } else {

@@ -249,7 +249,9 @@ pub(super) fn write_flightgear(
             let flat = (*map != "albedo").then(|| small(settings, tree, map, size, session));
             let flat = flat.transpose()?;
             for season in 0..SEASONS {
-                let image = flat.clone().unwrap_or_else(|| in_season(&color, season));
+                let image = flat
+                    .clone()
+                    .unwrap_or_else(|| in_season(&color, season, settings.evergreen));
                 // Standing on the cell's lower edge, in its middle.
                 let x = column * cell[0] + (cell[0] - size[0]) / 2;
                 let y = (season + 1) * cell[1] - size[1];
@@ -299,24 +301,34 @@ fn fitted(tree: &PresetTree, cell: [u32; 2]) -> [u32; 2] {
 
 /// A tree as it looks in row `season` of the atlas: summer, snowy summer, winter, snowy winter.
 ///
-/// Winter's colours come by matching histograms with those of dry bark and dead leaves; snow lies
-/// where light falls: the brighter half of the pixels is matched with the colours of snow.
-fn in_season(summer: &Image<Straight>, season: u32) -> Image<Straight> {
+/// Winter's colours come by matching the histogram of its light with those of dry bark and dead
+/// leaves, unless it is `evergreen`; snow lies where light falls: the brighter half of the pixels is
+/// matched with the colours of snow. Light alone is matched, not channel by channel: that would turn
+/// brown trunks purple.
+fn in_season(summer: &Image<Straight>, season: u32, evergreen: bool) -> Image<Straight> {
     /// Darkest and lightest colour of the palettes; values between are spread evenly.
     const WINTER: [[u8; 3]; 2] = [[34, 27, 22], [150, 128, 104]];
     const SNOW: [[u8; 3]; 2] = [[168, 180, 196], [250, 252, 255]];
+    let grey = summer.map(|pixel| {
+        let value = (light(*pixel) / 256) as u8;
+        Straight([value, value, value, pixel.alpha()])
+    });
     let mut image = summer.clone();
-    if season >= 2 {
-        Transfer::between(&Histogram::of(summer), &palette(WINTER)).apply(&mut image);
+    if season >= 2 && !evergreen {
+        image = grey.clone();
+        Transfer::between(&Histogram::of(&grey), &palette(WINTER)).apply(&mut image);
     }
     if season % 2 == 1 {
         let lit = median_light(summer);
         let is_lit = |pixel: &Straight| pixel.alpha() > 0 && light(*pixel) >= lit;
-        let bright = summer.pixels().iter().copied().filter(is_lit);
-        let map = Transfer::between(&Histogram::of_pixels(bright), &palette(SNOW));
-        for (out, pixel) in image.pixels_mut().iter_mut().zip(summer.pixels()) {
-            if is_lit(pixel) {
-                *out = map.applied(*pixel);
+        let bright = grey.pixels().iter().zip(summer.pixels());
+        let bright = bright.filter(|(_, summer)| is_lit(summer));
+        let bright = Histogram::of_pixels(bright.map(|(grey, _)| *grey));
+        let map = Transfer::between(&bright, &palette(SNOW));
+        let pixels = grey.pixels().iter().zip(summer.pixels());
+        for (out, (grey, summer)) in image.pixels_mut().iter_mut().zip(pixels) {
+            if is_lit(summer) {
+                *out = map.applied(*grey);
             }
         }
     }
@@ -343,4 +355,29 @@ fn palette([dark, light]: [[u8; 3]; 2]) -> Histogram {
         };
         Straight([mixed(0), mixed(1), mixed(2), 255])
     }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn crown() -> Image<Straight> {
+        let pixels = (0..64u8).map(|i| Straight([40 + i, 90 + 2 * i, 20, 255]));
+        Image::from_pixels(8, 8, pixels.collect())
+    }
+
+    #[test]
+    fn seasons_are_brown_white_or_as_they_were() {
+        let summer = crown();
+        assert_eq!(in_season(&summer, 0, false), summer);
+        assert_eq!(in_season(&summer, 2, true), summer);
+        for pixel in in_season(&summer, 2, false).pixels() {
+            let [r, g, b, _] = pixel.0;
+            assert!(r >= g && g >= b, "{pixel:?}");
+        }
+        let snowy = in_season(&summer, 1, false);
+        let white = snowy.pixels().iter().filter(|p| p.0[2] >= 168).count();
+        assert!((30..=36).contains(&white), "{white}");
+        assert_eq!(snowy.at(0, 0), summer.at(0, 0));
+    }
 }

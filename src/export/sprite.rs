@@ -5,7 +5,8 @@ use super::bleed::bled;
 use crate::geometry::Point;
 use crate::raster::{Image, Rect, Straight, opaque_bounds};
 
-/// Clear pixels around the trimmed tree: room for a cut-out mesh and for filters.
+/// Clear pixels around the trimmed tree where the canvas is made to measure: room for a cut-out mesh
+/// and for filters. Canvases of powers of two have what room there is.
 const MARGIN_PX: u32 = 4;
 
 /// How a sprite is made.
@@ -80,11 +81,11 @@ impl Sprite {
             });
         }
         let side = |pixels: u32| {
-            let least = pixels + 2 * MARGIN_PX;
             if settings.power_of_two {
-                least.next_power_of_two()
+                // A margin is not worth a picture of four times the size.
+                pixels.next_power_of_two()
             } else {
-                least.next_multiple_of(4)
+                (pixels + 2 * MARGIN_PX).next_multiple_of(4)
             }
         };
         let (width, height) = (side(trim.width), side(trim.height));
@@ -182,7 +183,7 @@ mod tests {
     fn the_foot_is_the_origin_and_the_top_is_at_the_height() {
         let foot = Point::new(24.0, 39.0);
         let sprite = Sprite::new(&tree(), foot, SpriteSettings::default()).unwrap();
-        assert_eq!((sprite.image.width(), sprite.image.height()), (32, 64));
+        assert_eq!((sprite.image.width(), sprite.image.height()), (16, 32));
         let [top_left, bottom_right] = sprite.corners().map(|corner| sprite.metres(corner));
         assert!((top_left.y - 10.0).abs() < 1e-12 && bottom_right.y.abs() < 1e-12);
         let pixel = 10.0 / 30.0;

@@ -4,7 +4,7 @@
 //! The tree's own outline, holes between its leaves closed, is inflated (`crown::Inflation`), and
 //! the picture's relief (`crown::relief`) is laid on top. Normals come from the slopes of the sum,
 //! so a flat card looks round when the light moves; openness is how little of the sky the
-//! neighbourhood hides (its height above the mean around, at two widths); translucency falls with
+//! neighbourhood hides (its height above the mean around, at three widths, and which way it faces); translucency falls with
 //! the thickness and follows the brightness of the leaf.
 //!
 //! Limits: both are computed on a grid of [`GRID`] pixels and interpolated, which serves branches
@@ -33,6 +33,9 @@ const RELIEF: f32 = 0.05;
 
 /// Height of single leaves, from darkest to lightest, as a share of the tree's longer side.
 const LEAVES: f32 = 0.004;
+
+/// How much of the sky a surface misses that faces straight down, its own hollows apart.
+const FACING_DOWN: f32 = 0.4;
 
 /// What 255 in a depth map means, as a share of the longer side of what shows in the picture.
 pub const DEPTH_SHARE: f64 = 0.5;
@@ -82,6 +85,7 @@ pub fn tree_maps(image: &Image<Straight>, cancel: &Cancel) -> Result<TreeMaps, C
     let bumps = relief(&opaque(&small), &mask, &ReliefSettings::default(), cancel)?;
     let thickness = Field::of(&inflated, width, height);
     let bumps = bumps.map(|&height| height * RELIEF * longer);
+    let openness = openness(&bumps, longer);
     let surface = Image::from_pixels(
         inflated.width(),
         inflated.height(),
@@ -93,7 +97,6 @@ pub fn tree_maps(image: &Image<Straight>, cancel: &Cancel) -> Result<TreeMaps, C
             .collect(),
     );
     cancel.check()?;
-    let openness = openness(&surface, longer);
     let surface = Field::of(&surface, width, height);
     let openness = Field::of(&openness, width, height);
     cancel.check()?;
@@ -136,11 +139,10 @@ impl TreeMaps {
                     // A quarter of the tree's width lets a third through.
                     let through = libm::expf(-4.0 * depth) * (0.35 + 0.65 * light);
                     let byte = |v: f32| (255.0 * v + 0.5).clamp(0.0, 255.0) as u8;
-                    others[x as usize] = [
-                        byte(height / highest),
-                        byte(openness.at(x, y)),
-                        byte(through),
-                    ];
+                    // What faces down sees the ground, not the sky.
+                    let up = f32::from(normals[x as usize].0[1]) / 127.5 - 1.0;
+                    let open = openness.at(x, y) * (1.0 - FACING_DOWN * (1.0 - up) / 2.0);
+                    others[x as usize] = [byte(height / highest), byte(open), byte(through)];
                 }
             });
         let channel = |c: usize| {
@@ -240,17 +242,17 @@ fn inflated(mask: &Mask, cancel: &Cancel) -> Result<Image<f32>, Cancelled> {
     }
 }
 
-/// How open each place is: 1 on bulges, less in hollows, seen at two widths.
+/// How open each place of the relief is: 1 on bulges, less in hollows, seen at three widths.
 fn openness(surface: &Image<f32>, longer: f32) -> Image<f32> {
     let mut open = surface.map(|_| 1.0f32);
-    for share in [0.03f32, 0.1] {
+    for share in [0.01f32, 0.03, 0.08] {
         let radius = ((share * longer) as u32).max(1);
         let mean = box_mean(&box_mean(surface, radius), radius);
         let heights = surface.pixels().iter().zip(mean.pixels());
         for (open, (height, mean)) in open.pixels_mut().iter_mut().zip(heights) {
-            // Half a radius below the mean around hides half of the sky.
+            // A tenth of the radius below the mean around hides a third of the sky.
             let sunk = ((mean - height) / radius as f32).max(0.0);
-            *open *= 1.0 / (1.0 + 2.0 * sunk);
+            *open *= 1.0 / (1.0 + 5.0 * sunk);
         }
     }
     open

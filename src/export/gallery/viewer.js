@@ -97,7 +97,8 @@ const gallery = (() => {
     return context.getImageData(0, 0, width, height).data;
   };
 
-  // The picture raised by its depth, front and back; cells in which nothing shows are left out.
+  // The picture raised by its depth, front and back; cells in which nothing shows are left out. A
+  // second copy across the first gives the tree an outline of leaves from the side, too.
   const raised = (tree, albedo, depth) => {
     const [w, h] = tree.size_px, scale = Math.min(1, 192 / Math.max(w, h));
     const columns = Math.max(2, Math.round(w * scale)), rows = Math.max(2, Math.round(h * scale));
@@ -111,20 +112,21 @@ const gallery = (() => {
         if (visible(x + dx, y + dy)) { sum += heights[4 * ((y + dy) * columns + x + dx)]; count++; }
       return count ? sum / count / 255 * tree.depth_m : 0;
     };
-    const corner = (x, y, front) => {
-      const key = (y * (columns + 1) + x) * 2 + (front > 0 ? 1 : 0);
+    const corner = (x, y, front, turned) => {
+      const key = (y * (columns + 1) + x) * 4 + (front > 0 ? 1 : 0) + (turned ? 2 : 0);
       if (!place.has(key)) {
         const u = x / columns, v = y / rows;
         const px = (u * w - tree.pivot_px[0]) * tree.metres_per_pixel, py = (tree.pivot_px[1] - v * h) * tree.metres_per_pixel;
         place.set(key, vertices.length / 7);
-        vertices.push(px, py, front * height(x, y), u, v, 0, front);
+        const out = front * height(x, y);
+        vertices.push(turned ? out : px, py, turned ? -px : out, u, v, turned ? Math.PI / 2 : 0, front);
       }
       return place.get(key);
     };
     for (let y = 0; y < rows; y++) for (let x = 0; x < columns; x++) {
       if (!visible(x, y)) continue;
-      for (const front of [1, -1]) {
-        const [a, b, c, d] = [[x, y], [x + 1, y], [x, y + 1], [x + 1, y + 1]].map(([i, j]) => corner(i, j, front));
+      for (const [front, turned] of [[1, false], [-1, false], [1, true], [-1, true]]) {
+        const [a, b, c, d] = [[x, y], [x + 1, y], [x, y + 1], [x + 1, y + 1]].map(([i, j]) => corner(i, j, front, turned));
         indices.push(a, c, b, b, c, d);
       }
     }

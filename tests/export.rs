@@ -202,6 +202,32 @@ fn shards_threads_and_resume_change_no_byte() {
 }
 
 #[test]
+fn vary_writes_the_maps_asked_for() {
+    let folder = library();
+    let vary = "vary --library exemplars --count 2 --size 128 --maps normal,depth,ao,translucency";
+    let arguments = |more: &'static str| vary.split(' ').chain(more.split(' ')).collect::<Vec<_>>();
+    succeeded(&boscage(folder.path(), &arguments("--out maps")));
+    let read = |file: &str| {
+        let path = folder.path().join("maps").join(file);
+        read_image(&path, ReadLimits::default()).unwrap()
+    };
+    let tree = read("tree_0001.png");
+    for map in ["normal", "depth", "ao", "translucency"] {
+        let image = read(&format!("tree_0001.{map}.png"));
+        assert_eq!(
+            (image.width(), image.height()),
+            (tree.width(), tree.height())
+        );
+    }
+    // The middle of the crown faces the viewer and stands out.
+    assert!(read("tree_0001.normal.png").at(64, 50).0[2] > 200);
+    assert!(read("tree_0001.depth.png").at(64, 50).0[0] > 60);
+    let before = files_below(&folder.path().join("maps"));
+    succeeded(&boscage(folder.path(), &arguments("--out maps --resume")));
+    assert_eq!(before, files_below(&folder.path().join("maps")));
+}
+
+#[test]
 fn bad_libraries_are_refused_in_one_line() {
     let folder = library();
     let record = folder.path().join("new/library.json");

@@ -5,8 +5,8 @@ use super::failure::Failure;
 use super::input::PictureFile;
 use super::session::Session;
 use crate::export::{
-    AtlasSettings, AtlasSprite, PresetTree, SpriteLayout, atlas_json_array, atlas_json_hash,
-    atlas_layout, atlas_page, encode_dds, encode_ktx2, mips,
+    AtlasSettings, AtlasSprite, PageContent, PresetTree, SpriteLayout, atlas_json_array,
+    atlas_json_hash, atlas_layout, atlas_page, encode_dds, encode_ktx2, mips,
 };
 use crate::raster::{Compression, Image, Rect, Straight, encode_png, resized};
 use crate::variation::{Histogram, Transfer};
@@ -93,7 +93,7 @@ pub(super) fn write_atlas(
                 Some(pictures(map)?)
             };
             let of_map = loaded.as_ref().unwrap_or(&colors);
-            let image = atlas_page(&layout, page, |i| (&of_map[&i], &alphas[&i]));
+            let image = atlas_page(&layout, page, content(map), |i| (&of_map[&i], &alphas[&i]));
             let name = format!(
                 "atlas/{}",
                 settings.preset.style().file(&format!("atlas_{page}"), map)
@@ -104,6 +104,15 @@ pub(super) fn write_atlas(
         write_lists(settings, trees, &layout, page, session, &mut files)?;
     }
     Ok(files)
+}
+
+/// Whether a map has alpha.
+fn content(map: &str) -> PageContent {
+    if map == "albedo" {
+        PageContent::Color
+    } else {
+        PageContent::Data
+    }
 }
 
 /// One page of one map in all forms asked for.

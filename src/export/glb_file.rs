@@ -334,9 +334,9 @@ fn little_endian<const N: usize>(values: &[[f32; N]]) -> Vec<u8> {
 fn bounds(positions: &[[f32; 3]]) -> ([f32; 3], [f32; 3]) {
     let mut bounds = ([f32::MAX; 3], [f32::MIN; 3]);
     for position in positions {
-        for axis in 0..3 {
-            bounds.0[axis] = bounds.0[axis].min(position[axis]);
-            bounds.1[axis] = bounds.1[axis].max(position[axis]);
+        for (axis, &value) in position.iter().enumerate() {
+            bounds.0[axis] = bounds.0[axis].min(value);
+            bounds.1[axis] = bounds.1[axis].max(value);
         }
     }
     bounds

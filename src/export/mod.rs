@@ -45,5 +45,7 @@ pub use preset::{Preset, TextureStyle};
 pub use record::{CutoutRecord, LicenseRecord, PresetLibrary, PresetTree};
 pub use scatter::{ScatterSettings, scattered};
 pub use sprite::{Sprite, SpriteError, SpriteSettings};
-pub use sprite_atlas::{AtlasError, AtlasSettings, Placed, SpriteLayout, atlas_layout, atlas_page};
+pub use sprite_atlas::{
+    AtlasError, AtlasSettings, PageContent, Placed, SpriteLayout, atlas_layout, atlas_page,
+};
 pub use tree_model::{Lod, TreeModel, WindChannels, tree_glb};

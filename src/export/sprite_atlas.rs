@@ -7,7 +7,7 @@
 //! mix two sprites and blocks of compressed textures hold one sprite each. The padding is filled
 //! with the sprites' own colours by [`bled`](super::bled): an extrusion in all directions.
 
-use super::bleed::bled_from;
+use super::bleed::{bled, bled_from};
 use crate::raster::{Image, Rect, Straight};
 use guillotiere::{AllocatorOptions, AtlasAllocator, size2};
 
@@ -194,12 +194,22 @@ fn places(
         .collect()
 }
 
+/// What a page shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PageContent {
+    /// Colours with alpha: gaps stay clear.
+    Color,
+    /// A map without alpha: gaps are as opaque as the sprites.
+    Data,
+}
+
 /// A page of one map: each picture in its frame, and its values continued into the gaps from where
-/// the sprites' alphas are above 0. `sprites` gives the index, the picture and the alpha of each
-/// frame.
+/// the sprites' alphas are above 0. `sprite` gives the picture and the alpha of each frame by the
+/// index of its sprite.
 pub fn atlas_page<'a>(
     layout: &SpriteLayout,
     page: usize,
+    content: PageContent,
     mut sprite: impl FnMut(usize) -> (&'a Image<Straight>, &'a Image<u8>),
 ) -> Image<Straight> {
     let [width, height] = layout.pages[page];
@@ -213,7 +223,10 @@ pub fn atlas_page<'a>(
             alphas.row_mut(frame.y + y)[columns.clone()].copy_from_slice(alpha.row(y));
         }
     }
-    bled_from(&image, &alphas)
+    match content {
+        PageContent::Color => bled(&image),
+        PageContent::Data => bled_from(&image, &alphas),
+    }
 }
 
 #[cfg(test)]
@@ -267,10 +280,11 @@ mod tests {
         let pictures =
             [[200, 0, 0, 255], [0, 0, 200, 255]].map(|p| Image::filled(8, 8, Straight(p)));
         let opaque = Image::filled(8, 8, 255u8);
-        let page = atlas_page(&layout, 0, |i| (&pictures[i], &opaque));
+        let page = atlas_page(&layout, 0, PageContent::Color, |i| (&pictures[i], &opaque));
         for (index, frame) in layout.on_page(0) {
             let beside = page.at(frame.x - 2, frame.y + 4).0;
             assert!(beside[2 * index] > 150, "{index}: {beside:?}");
+            assert_eq!(beside[3], 0, "gaps of colours stay clear");
         }
     }
 }

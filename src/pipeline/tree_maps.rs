@@ -194,21 +194,18 @@ fn closed(mask: &Mask) -> Mask {
     )
 }
 
-/// The picture without alpha: colours of clear pixels are those of their own, black.
+/// The picture without alpha: gaps and soft edges get the colour that one sees in gaps.
 fn opaque(image: &Image<Straight>) -> Image<Straight> {
-    let known =
-        crate::raster::Image::from_pixels(image.width(), image.height(), image.pixels().to_vec());
-    let mean = mean_of_visible(&known);
-    known.map(|pixel| {
+    let gap = colour_of_gaps(image);
+    image.map(|pixel| {
         let alpha = f32::from(pixel.alpha()) / 255.0;
-        let mixed =
-            |c: usize| (f32::from(pixel.0[c]) * alpha + mean[c] * (1.0 - alpha) + 0.5) as u8;
+        let mixed = |c: usize| (f32::from(pixel.0[c]) * alpha + gap[c] * (1.0 - alpha) + 0.5) as u8;
         Straight([mixed(0), mixed(1), mixed(2), 255])
     })
 }
 
 /// The mean colour, somewhat darkened: what one sees in the gaps of a crown.
-fn mean_of_visible(image: &Image<Straight>) -> [f32; 3] {
+fn colour_of_gaps(image: &Image<Straight>) -> [f32; 3] {
     const GAP: f32 = 0.6;
     let (mut sums, mut weight) = ([0.0f32; 3], 0.0f32);
     for pixel in image.pixels() {

@@ -13,12 +13,14 @@
 
 mod bench;
 mod clock;
+mod crown;
 mod demo;
 mod exemplars;
 mod export;
 mod export_pages;
 mod export_tree;
 mod failure;
+mod inflate;
 mod input;
 mod inspect;
 mod items;
@@ -71,12 +73,14 @@ enum Command {
     Table(table::Flags),
     Demo(demo::Flags),
     Samples(samples::Flags),
+    Inflate(inflate::Flags),
     Inspect(inspect::Flags),
     Segment(segment::Flags),
     Warp(warp::Flags),
     Recolor(recolor::Flags),
     Synthesize(synthesize::Flags),
     Export(Box<export::Flags>),
+    Crown(crown::Flags),
     Bench(bench::Flags),
 }
 
@@ -88,12 +92,14 @@ impl Command {
             Self::Table(flags) => flags,
             Self::Demo(flags) => flags,
             Self::Samples(flags) => flags,
+            Self::Inflate(flags) => flags,
             Self::Inspect(flags) => flags,
             Self::Segment(flags) => flags,
             Self::Warp(flags) => flags,
             Self::Recolor(flags) => flags,
             Self::Synthesize(flags) => flags,
             Self::Export(flags) => flags.as_ref(),
+            Self::Crown(flags) => flags,
             Self::Bench(flags) => flags,
         }
     }

@@ -5,6 +5,10 @@
 //!
 //! Imports `base`, `raster`, `geometry`, `crown`, `synth`, `scene`.
 
+mod crown;
+mod frame;
 mod tree_maps;
 
+pub use crown::{CrownError, CrownSettings, CrownShape, TRUNK_SHARE, crown, crown_shape};
+pub use frame::CrownFrame;
 pub use tree_maps::{DEPTH_SHARE, TreeMaps, tree_maps};

@@ -16,6 +16,9 @@ mod clock;
 mod crown;
 mod demo;
 mod exemplars;
+mod export;
+mod export_pages;
+mod export_tree;
 mod failure;
 mod inflate;
 mod input;
@@ -78,6 +81,7 @@ enum Command {
     Recolor(recolor::Flags),
     Render(render::Flags),
     Synthesize(synthesize::Flags),
+    Export(Box<export::Flags>),
     Crown(crown::Flags),
     Bench(bench::Flags),
 }
@@ -97,6 +101,7 @@ impl Command {
             Self::Recolor(flags) => flags,
             Self::Render(flags) => flags,
             Self::Synthesize(flags) => flags,
+            Self::Export(flags) => flags.as_ref(),
             Self::Crown(flags) => flags,
             Self::Bench(flags) => flags,
         }

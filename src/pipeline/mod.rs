@@ -7,6 +7,8 @@
 
 mod crown;
 mod frame;
+mod tree_maps;
 
 pub use crown::{CrownError, CrownSettings, CrownShape, TRUNK_SHARE, crown, crown_shape};
 pub use frame::CrownFrame;
+pub use tree_maps::{DEPTH_SHARE, TreeMaps, tree_maps};

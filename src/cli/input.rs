@@ -2,7 +2,7 @@
 
 use super::failure::Failure;
 use crate::base::{Digest, read_limited};
-use crate::raster::{Image, ReadLimits, Straight, read_image_from_memory};
+use crate::raster::{Image, Mask, ReadLimits, Straight, read_image_from_memory};
 use std::path::{Path, PathBuf};
 
 /// A picture file that was read but not decoded yet.
@@ -23,6 +23,11 @@ impl PictureFile {
         })
     }
 
+    /// The file.
+    pub(super) fn path(&self) -> &Path {
+        &self.path
+    }
+
     /// The digest of the content; the name has no part in it.
     pub(super) fn digest(&self) -> Digest {
         Digest::of(&self.bytes)
@@ -39,4 +44,14 @@ impl PictureFile {
             ReadLimits::default(),
         )?)
     }
+}
+
+/// The mask that `picture` shows: where it is opaque, if any of it is clear, else where its red is
+/// 128 or more.
+pub(super) fn mask_from(picture: &Image<Straight>) -> Mask {
+    let has_alpha = picture.pixels().iter().any(|pixel| pixel.alpha() < 255);
+    picture.map(|pixel| {
+        let value = if has_alpha { pixel.alpha() } else { pixel.0[0] };
+        value >= 128
+    })
 }

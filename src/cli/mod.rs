@@ -13,6 +13,8 @@
 
 mod bench;
 mod clock;
+mod crown;
+mod cubemap;
 mod demo;
 mod exemplars;
 mod failure;
@@ -73,6 +75,8 @@ enum Command {
     Warp(warp::Flags),
     Recolor(recolor::Flags),
     Synthesize(synthesize::Flags),
+    Cubemap(cubemap::Flags),
+    Crown(crown::Flags),
     Bench(bench::Flags),
 }
 
@@ -89,6 +93,8 @@ impl Command {
             Self::Warp(flags) => flags,
             Self::Recolor(flags) => flags,
             Self::Synthesize(flags) => flags,
+            Self::Cubemap(flags) => flags,
+            Self::Crown(flags) => flags,
             Self::Bench(flags) => flags,
         }
     }

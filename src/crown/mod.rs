@@ -8,6 +8,7 @@
 //! Imports `base`, `raster`, `geometry`, `solve`.
 
 mod center;
+mod cube_sphere;
 mod domain;
 mod height;
 mod inflation;
@@ -16,8 +17,10 @@ mod pyramid;
 mod radial_raster;
 mod radius;
 mod relief;
+mod surface;
 
 pub use center::crown_center;
+pub use cube_sphere::{CubeSphere, cube_sphere, grid_line};
 pub use domain::{Domain, RingPixel};
 pub use height::{height_cubemap, radius_with_relief};
 pub use inflation::{Inflation, InflationError, Sheet};
@@ -27,3 +30,4 @@ pub use radius::{
     LEAST_SHARE, RadiusError, merged_radius_cubemap, radius_cubemap, turned, turned_copies,
 };
 pub use relief::relief;
+pub use surface::{closed_surface, into_world};

@@ -4,3 +4,11 @@
 //! the same inputs give the same bytes.
 //!
 //! Imports `base`, `raster`, `geometry`, `crown`, `synth`, `scene`.
+
+mod crown;
+mod foliage;
+mod frame;
+
+pub use crown::{CrownError, CrownSettings, CrownShape, TRUNK_SHARE, crown, crown_shape};
+pub use foliage::{PhotoSurface, crown_foliage};
+pub use frame::CrownFrame;

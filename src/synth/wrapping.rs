@@ -7,7 +7,8 @@
 //! the box of texture ([`Lattice`]) by lengths measured on that surface:
 //!
 //! - around the crown, equal angles;
-//! - up and down the lateral faces, equal lengths along the meridian;
+//! - up and down the lateral faces, equal lengths along the meridian; rows follow the circles of
+//!   latitude, and bend towards the lids' edges near them;
 //! - on the lids, equal lengths along the meridian through the middles of the edges, blending into
 //!   equal angles at the edges, where the lid has to fit the lateral faces.
 //!
@@ -34,6 +35,33 @@ pub struct Extent {
     pub up: f64,
     /// Downwards.
     pub down: f64,
+}
+
+impl Extent {
+    /// Of the surface at `radius` (any unit) from the centre: the highest and lowest point, and the
+    /// mean of how far it reaches out in all quarters.
+    pub fn of_surface(radius: &Cubemap<f32>) -> Self {
+        const SECTORS: usize = 32;
+        let size = radius.size();
+        let centre = |i: u32| (2.0 * f64::from(i) + 1.0) / f64::from(size) - 1.0;
+        let (mut up, mut down) = (0f64, 0f64);
+        let mut reaches = [0f64; SECTORS];
+        for face in CubeFace::ALL {
+            for y in 0..size {
+                for x in 0..size {
+                    let direction = face.direction(centre(x), centre(y)).normalize();
+                    let point = direction * f64::from(radius.face(face).at(x, y));
+                    (up, down) = (up.max(point.y), down.max(-point.y));
+                    let turn = libm::atan2(point.x, point.z) / (2.0 * std::f64::consts::PI);
+                    let sector = ((turn + 0.5) * SECTORS as f64) as usize;
+                    let reach = &mut reaches[sector.min(SECTORS - 1)];
+                    *reach = reach.max(libm::hypot(point.x, point.z));
+                }
+            }
+        }
+        let across = reaches.iter().sum::<f64>() / SECTORS as f64;
+        Self { across, up, down }
+    }
 }
 
 /// Largest ratio of a half-axis up or down to that across, and of the inverse: beyond, a crown is no
@@ -116,7 +144,7 @@ impl Wrapping {
         }
         let up = self.halves[0].rim_from_equator();
         let rows = f64::from(self.size.height) / (up + self.halves[1].rim_from_equator());
-        let from_equator = half.from_equator(v.abs()).copysign(v);
+        let from_equator = half.from_equator(along_latitude(u, v.abs())).copysign(v);
         (
             face,
             column(even_angle(u)),
@@ -193,6 +221,14 @@ pub fn wrapped(
 /// The place of a tangent `u`, −1 … 1, among equal angles, −1 … 1.
 fn even_angle(u: f64) -> f64 {
     libm::atan(u) / FRAC_PI_4
+}
+
+/// `v`, 0 … 1, of a lateral face, bent so that rows follow circles of latitude around the equator and
+/// the lid's straight edge at `v` = 1. Rows that were straight on the face would have a kink at each
+/// upright edge of the cube: boughs that hang level would form chevrons there.
+fn along_latitude(u: f64, v: f64) -> f64 {
+    let latitude = 1.0 / libm::sqrt(1.0 + u * u);
+    v * (latitude + (1.0 - latitude) * v * v)
 }
 
 /// The upper or the lower half of a crown: half an ellipsoid with a round equator.
@@ -286,7 +322,13 @@ mod tests {
                 let expected = |u| (even_angle(u) + 1.0) * 32.0 - 0.5;
                 assert_eq!(found, face);
                 assert!((x - expected(u)).abs() < 0.01, "{x} {}", expected(u));
-                assert!((y - expected(v)).abs() < 0.01, "{y} {}", expected(v));
+                let is_lid = matches!(face, CubeFace::PosY | CubeFace::NegY);
+                let row = if is_lid {
+                    v
+                } else {
+                    along_latitude(u, v.abs()).copysign(v)
+                };
+                assert!((y - expected(row)).abs() < 0.01, "{y} {}", expected(row));
             }
         }
         // As many texels on a pixel as there are in a quarter turn of the mean radius.
@@ -336,8 +378,24 @@ mod tests {
                     }
                 }
             }
-            assert!(least > 0.5 && most < 2.3, "{up} {down}: {least} … {most}");
+            assert!(least > 0.5 && most < 2.5, "{up} {down}: {least} … {most}");
         }
+    }
+
+    #[test]
+    fn the_extent_of_a_surface_is_that_of_what_it_encloses() {
+        let egg = Cubemap::from_directions(32, |d| {
+            let d = d.normalize();
+            let vertical = if d.y > 0.0 { 30.0 } else { 12.0 };
+            (1.0 / DVec3::new(d.x / 10.0, d.y / vertical, d.z / 10.0).length()) as f32
+        });
+        let extent = Extent::of_surface(&egg);
+        let near = |found: f64, expected: f64| (found / expected - 1.0).abs() < 0.02;
+        assert!(near(extent.across, 10.0), "{extent:?}");
+        assert!(
+            near(extent.up, 30.0) && near(extent.down, 12.0),
+            "{extent:?}"
+        );
     }
 
     #[test]

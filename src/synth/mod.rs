@@ -29,6 +29,7 @@ mod seam;
 mod similar;
 mod statistics;
 mod texture;
+mod unique;
 mod wrapping;
 
 pub use assembly::{Lattice, LatticeSize, assembled};

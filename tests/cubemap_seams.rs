@@ -108,7 +108,9 @@ fn the_photograph_stays_on_the_front_and_only_there() {
         let pairs = pairs.zip(foliage.color.face(face).pixels());
         pairs.filter(|(a, b)| a != b).count()
     };
-    assert!(changed(CubeFace::PosZ) > 64 * 64 / 2);
+    let share = changed(CubeFace::PosZ) as f64 / (64.0 * 64.0);
+    eprintln!("{share:.2} of the front is the photograph's");
+    assert!(share > 0.6);
     assert_eq!(changed(CubeFace::NegZ), 0);
 }
 

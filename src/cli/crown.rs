@@ -6,6 +6,7 @@ use super::output::recipe;
 use super::session::Session;
 use super::{Job, Stages};
 use crate::base::{Digest, Seed, read_limited};
+use crate::crown::Tangent;
 use crate::export::{CROWN_RECORD, CrownRecord, crown_file_names, crown_files};
 use crate::pipeline::{CrownError, CrownSettings, crown};
 use clap::Args;
@@ -16,7 +17,7 @@ use std::path::{Path, PathBuf};
 /// Make a crown in three dimensions from one photograph
 ///
 /// Writes a folder: crown.json, the colour, height and radius of the crown as cubemaps
-/// (color_px.png … radius_nz.png) and its base mesh.
+/// (color_px.png … radius_nz.png), its base mesh, and crown.glb, a textured mesh for other programs.
 #[derive(Debug, Args)]
 #[command(after_help = "Example: boscage crown oak.jpg --mask oak.mask.png --out oak-crown")]
 pub(super) struct Flags {
@@ -27,11 +28,15 @@ pub(super) struct Flags {
     #[arg(long, required_unless_present = "recipe", value_name = "MASK")]
     mask: Option<PathBuf>,
     /// Make the crown of a crown.json again, from the same files
-    #[arg(long, value_name = "crown.json", conflicts_with_all = ["photo", "mask", "k", "relief", "size", "copies", "height", "trunk_height"])]
+    #[arg(long, value_name = "crown.json", conflicts_with_all = ["photo", "mask", "k", "photo_front", "relief", "size", "copies", "height", "trunk_height"])]
     recipe: Option<PathBuf>,
-    /// How round the crown bulges; 0 is flat [default: 2.25]
-    #[arg(long, value_name = "K")]
-    k: Option<f64>,
+    /// How steeply the crown leaves its silhouette: a number or a formula in i and j, 0 … 1 from left
+    /// and top of the crown [default: so that it is as deep as it is wide]
+    #[arg(long, value_name = "EXPR", allow_hyphen_values = true)]
+    k: Option<String>,
+    /// Keep the photograph on the front and let the rest grow out of it
+    #[arg(long)]
+    photo_front: bool,
     /// How far the relief moves the surface, as a share of the radius [default: 0.35]
     #[arg(long, value_name = "RHO")]
     relief: Option<f64>,
@@ -119,7 +124,7 @@ impl Flags {
         let missing = |name| Failure::of(name, "is needed by this command");
         let photo_path = self.photo.as_ref().ok_or_else(|| missing("PHOTO"))?;
         let mask_path = self.mask.as_ref().ok_or_else(|| missing("--mask MASK"))?;
-        let settings = self.settings();
+        let settings = self.settings()?;
         let bad = |error| Failure::BadInput(format!("{error}"));
         settings.check().map_err(bad)?;
         let photo = PictureFile::read(photo_path)?;
@@ -139,17 +144,19 @@ impl Flags {
         })
     }
 
-    fn settings(&self) -> CrownSettings {
+    fn settings(&self) -> Result<CrownSettings, Failure> {
         let default = CrownSettings::default();
-        CrownSettings {
+        let k = self.k.as_deref().map(Tangent::parse).transpose();
+        Ok(CrownSettings {
             size: self.size.unwrap_or(default.size),
-            k: self.k.unwrap_or(default.k),
+            k: k.map_err(|error| Failure::of("--k", error))?,
+            photo_front: self.photo_front,
             copies: self.copies.unwrap_or(default.copies),
             rho: self.relief.unwrap_or(default.rho),
             height_m: self.height.unwrap_or(default.height_m),
             trunk_height_m: self.trunk_height,
             ..default
-        }
+        })
     }
 }
 
@@ -249,7 +256,8 @@ impl Inputs {
         let recipe: Value = json!(self.recipe);
         let stage = session.progress.stage("write", 2);
         let record = CrownRecord::new(&crown, recipe.clone());
-        let files = crown_files(&crown, recipe);
+        let files = crown_files(&crown, recipe)
+            .map_err(|error| Failure::of(self.photo.path().display(), error))?;
         stage.advance();
         session.cancel.check()?;
         for (name, bytes) in files {
@@ -266,6 +274,7 @@ impl Inputs {
             error if error.is_cancelled() => Failure::Cancelled,
             CrownError::Synthesis(_) => Failure::of(self.photo.path().display(), error),
             CrownError::Setting(_) => Failure::BadInput(error.to_string()),
+            CrownError::Tangent(_) => Failure::of("--k", error),
             _ => Failure::of(self.mask.path().display(), error),
         }
     }

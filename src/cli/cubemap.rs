@@ -7,8 +7,7 @@ use super::session::Session;
 use super::synthesize::FoliageFlags;
 use super::{Job, Stages};
 use crate::base::{Digest, Seed};
-use crate::crown::radius_cubemap;
-use crate::pipeline::{CrownError, CrownSettings, PhotoSurface, crown_foliage, crown_shape};
+use crate::pipeline::{CrownError, CrownSettings, colored_surface};
 use crate::raster::{Compression, CubeFace, Cubemap, Image, Mask, Straight, encode_png};
 use crate::synth::{CubemapSettings, edge_statistic};
 use clap::Args;
@@ -39,9 +38,6 @@ pub(super) struct Flags {
     /// Lay the texture as around a ball, whatever the crown's shape
     #[arg(long)]
     ball: bool,
-    /// How round the crown bulges, for what the photograph shows of it
-    #[arg(long, default_value_t = CrownSettings::default().k, value_name = "K")]
-    k: f64,
     #[command(flatten)]
     foliage: FoliageFlags,
 }
@@ -93,7 +89,8 @@ impl Flags {
     fn crown(&self) -> CrownSettings {
         CrownSettings {
             size: self.size,
-            k: self.k,
+            photo_front: self.photo_front,
+            foliage: self.settings(),
             ..CrownSettings::default()
         }
     }
@@ -114,13 +111,12 @@ impl Flags {
         photo: &PictureFile,
         mask: &PictureFile,
     ) -> Result<Digest, Failure> {
-        let settings = serde_json::to_vec(&(self.settings(), self.k))
+        let settings = serde_json::to_vec(&self.crown())
             .map_err(|error| Failure::Environment(error.to_string()))?;
         Ok(recipe("cubemap")
             .with(photo.digest().bytes())
             .with(mask.digest().bytes())
             .with(&settings)
-            .with(&[u8::from(self.photo_front)])
             .with(&session.options.seed.to_le_bytes())
             .finish())
     }
@@ -131,27 +127,11 @@ impl Flags {
         photo: &Image<Straight>,
         mask: &Mask,
     ) -> Result<Cubemap<Straight>, Failure> {
-        let failed = |error: CrownError| self.failure(&error);
-        let crown = self.crown();
+        let seed = Seed(session.options.seed);
         let (progress, cancel) = (session.progress, session.cancel);
-        let stage = progress.stage("shape", 1);
-        let shape = crown_shape(mask, &crown, progress, cancel).map_err(failed)?;
-        let base_m = radius_cubemap(&shape.base_mesh, shape.frame.center_m, self.size, cancel)
-            .map_err(|error| failed(error.into()))?;
-        let surface = PhotoSurface::new(mask, &shape.frame, &base_m, crown.height_m);
-        stage.advance();
-        drop(stage);
-        crown_foliage(
-            photo,
-            mask,
-            &surface,
-            &self.settings(),
-            self.photo_front,
-            Seed(session.options.seed),
-            progress,
-            cancel,
-        )
-        .map_err(failed)
+        colored_surface(photo, mask, &self.crown(), seed, progress, cancel)
+            .map(|surface| surface.color)
+            .map_err(|error| self.failure(&error))
     }
 
     /// Writes all faces: nothing before all of them are encoded.

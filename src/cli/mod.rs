@@ -18,6 +18,7 @@ mod cubemap;
 mod demo;
 mod exemplars;
 mod failure;
+mod inflate;
 mod input;
 mod inspect;
 mod items;
@@ -70,6 +71,7 @@ enum Command {
     Table(table::Flags),
     Demo(demo::Flags),
     Samples(samples::Flags),
+    Inflate(inflate::Flags),
     Inspect(inspect::Flags),
     Segment(segment::Flags),
     Warp(warp::Flags),
@@ -88,6 +90,7 @@ impl Command {
             Self::Table(flags) => flags,
             Self::Demo(flags) => flags,
             Self::Samples(flags) => flags,
+            Self::Inflate(flags) => flags,
             Self::Inspect(flags) => flags,
             Self::Segment(flags) => flags,
             Self::Warp(flags) => flags,

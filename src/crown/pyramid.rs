@@ -51,7 +51,7 @@ impl Default for ReliefSettings {
             levels: 5,
             coarsest: 0.06,
             growth: 2.0,
-            falloff: 0.6,
+            falloff: 0.4,
             pyramid: Pyramid::Gaussian,
             even_light: 0.8,
         }

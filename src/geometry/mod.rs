@@ -5,11 +5,13 @@
 //!
 //! Imports `base`.
 
+mod cube_sphere;
 mod equal_chords;
 mod mesh;
 mod polygon;
 mod topology;
 
+pub use cube_sphere::star_shaped;
 pub use equal_chords::equal_chords;
 pub use mesh::Mesh;
 pub use polygon::{Polygon, contains, perimeter, segments_cross, self_crossings, signed_area};

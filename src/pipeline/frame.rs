@@ -1,6 +1,6 @@
 //! Where a crown stands and how large it is: from the pixels of its mask to metres.
 
-use crate::crown::crown_center;
+use crate::crown::{Envelope, crown_center, envelope};
 use crate::geometry::Point;
 use crate::raster::{Mask, Premultiplied, Rect, opaque_bounds, resized};
 use glam::DVec3;
@@ -49,13 +49,37 @@ impl CrownFrame {
     }
 }
 
-/// The part of `mask` around the crown, scaled so that the crown's longer side has `longest` pixels;
-/// `None` when nothing is left of it.
-pub(super) fn scaled_mask(mask: &Mask, longest: u32) -> Option<Mask> {
-    let bounds = opaque_bounds(mask)?;
-    let scale = f64::from(longest) / f64::from(bounds.width.max(bounds.height));
-    let scaled = resized_mask(mask, bounds, scale);
-    opaque_bounds(&scaled).map(|_| scaled)
+/// The volume of a crown as a mask, at the scale at which it is inflated.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Volume {
+    /// The envelope of the crown.
+    pub(super) mask: Mask,
+    /// Pixels of it for one of the photograph.
+    pub(super) scale: f64,
+    /// Where its first pixel's corner lies in the photograph, pixels from the corner there.
+    origin: Point,
+}
+
+impl Volume {
+    /// The envelope of `mask` after scaling so that the crown's longer side has `longest` pixels;
+    /// `None` when nothing is left of it.
+    pub(super) fn new(mask: &Mask, longest: u32, settings: &Envelope) -> Option<Self> {
+        let bounds = opaque_bounds(mask)?;
+        let scale = f64::from(longest) / f64::from(bounds.width.max(bounds.height));
+        let scaled = resized_mask(mask, bounds, scale);
+        let (mask, from) = envelope(&scaled, settings)?;
+        let corner = Point::new(f64::from(bounds.x), f64::from(bounds.y));
+        Some(Self {
+            mask,
+            scale,
+            origin: corner + Point::new(from[0] as f64, from[1] as f64) / scale,
+        })
+    }
+
+    /// The place in the photograph of a place in the mask; pixel centres are whole in both.
+    pub(super) fn photo_from_mask(&self, place: Point) -> Point {
+        self.origin + (place + 0.5) / self.scale - 0.5
+    }
 }
 
 fn scaled_size(bounds: Rect, scale: f64) -> [u32; 2] {
@@ -85,8 +109,18 @@ mod tests {
         let frame = CrownFrame::new(&mask, 8.0, 2.0);
         assert_eq!(frame.metres_per_pixel, 0.4);
         assert!(frame.center_m.distance(DVec3::new(0.0, 6.0, 0.0)) < 1e-9);
-        let scaled = scaled_mask(&mask, 40).unwrap();
-        assert_eq!((scaled.width(), scaled.height()), (20, 40));
-        assert!(scaled.pixels().iter().all(|&inside| inside));
+        let volume = Volume::new(
+            &mask,
+            40,
+            &Envelope {
+                close: 0.0,
+                open: 0.0,
+            },
+        )
+        .unwrap();
+        assert_eq!((volume.mask.width(), volume.mask.height()), (22, 42));
+        // The first of two pixels that the photograph's pixel (4, 5) became.
+        let place = volume.photo_from_mask(Point::new(1.0, 1.0));
+        assert!(place.distance(Point::new(3.75, 4.75)) < 1e-9);
     }
 }

@@ -6,9 +6,10 @@
 //! Imports `base`, `raster`, `geometry`, `crown`, `synth`, `scene`.
 
 mod crown;
-mod foliage;
 mod frame;
 
-pub use crown::{CrownError, CrownSettings, CrownShape, TRUNK_SHARE, crown, crown_shape};
-pub use foliage::{PhotoSurface, crown_foliage};
+pub use crown::{
+    ColoredSurface, CrownError, CrownSettings, CrownShape, TRUNK_SHARE, colored_surface, crown,
+    crown_shape,
+};
 pub use frame::CrownFrame;

@@ -54,7 +54,7 @@ pub fn edge_statistic(map: &Cubemap<Straight>) -> EdgeStatistic {
         edge[..AT_CORNER].iter().chain(&edge[end..])
     });
     let corner_mean = mean(ends);
-    let line_means: Vec<f64> = lines.iter().map(|line| mean(line)).collect();
+    let line_means: Vec<f64> = lines.iter().map(mean).collect();
     let drawn_edges = |random: &mut Random| {
         let drawn: Vec<f64> = edges
             .iter()

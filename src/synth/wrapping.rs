@@ -156,7 +156,9 @@ impl Wrapping {
         let rows = |v: f64| {
             let up = self.halves[0].rim_from_equator();
             let rows = f64::from(self.size.height) / (up + self.halves[1].rim_from_equator());
-            let from_equator = half.from_equator(along_latitude(u, v.abs())).copysign(v);
+            let from_equator = half
+                .length_from_equator(along_latitude(u, v.abs()))
+                .copysign(v);
             (up + from_equator) * rows - 0.5
         };
         match face {
@@ -334,7 +336,7 @@ impl Half {
     }
 
     /// The length from the equator of the place `v`, 0 … 1, on a squashed lateral face.
-    fn from_equator(&self, v: f64) -> f64 {
+    fn length_from_equator(&self, v: f64) -> f64 {
         let angle = libm::atan2(self.tangent, v);
         self.meridian.whole() - self.meridian.to(angle)
     }

@@ -14,6 +14,7 @@
 mod bench;
 mod clock;
 mod crown;
+mod cubemap;
 mod demo;
 mod exemplars;
 mod export;
@@ -81,6 +82,7 @@ enum Command {
     Recolor(recolor::Flags),
     Render(render::Flags),
     Synthesize(synthesize::Flags),
+    Cubemap(cubemap::Flags),
     Export(Box<export::Flags>),
     Crown(crown::Flags),
     Bench(bench::Flags),
@@ -101,6 +103,7 @@ impl Command {
             Self::Recolor(flags) => flags,
             Self::Render(flags) => flags,
             Self::Synthesize(flags) => flags,
+            Self::Cubemap(flags) => flags,
             Self::Export(flags) => flags.as_ref(),
             Self::Crown(flags) => flags,
             Self::Bench(flags) => flags,

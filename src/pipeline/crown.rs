@@ -16,11 +16,10 @@ use crate::crown::{
     radius_with_relief, sheet_surface, turned_copies,
 };
 use crate::geometry::{Mesh, Point};
-use crate::raster::{Image, Mask, Straight};
+use crate::raster::{Cubemap, Image, Mask, Straight};
 use crate::scene::Crown;
 use crate::synth::{
-    CrownSurface, CubemapSettings, Extent, SynthesisError, extent_of, foliage_cubemap,
-    with_photo_front,
+    CrownSurface, CubemapSettings, Extent, SynthesisError, foliage_cubemap, with_photo_front,
 };
 use serde::{Deserialize, Serialize};
 
@@ -173,6 +172,49 @@ pub fn crown(
     progress: Progress<'_>,
     cancel: &Cancel,
 ) -> Result<Crown, CrownError> {
+    let surface = colored_surface(photo, mask, settings, seed, progress, cancel)?;
+    let ColoredSurface {
+        shape,
+        base_m,
+        color,
+    } = surface;
+    let stage = progress.stage("relief", 1);
+    let height = height_cubemap(&color, &settings.relief, cancel)?;
+    let radius_m = radius_with_relief(&base_m, &height, settings.rho, settings.relief.steepest);
+    stage.advance();
+    drop(stage);
+    Ok(Crown {
+        center_m: shape.frame.center_m,
+        radius_m,
+        color,
+        height,
+        base_mesh: shape.base_mesh,
+    })
+}
+
+/// The surface of a crown without relief, and its colours.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ColoredSurface {
+    /// The base mesh and where it stands.
+    pub shape: CrownShape,
+    /// From the crown's centre to the surface of all copies, metres.
+    pub base_m: Cubemap<f32>,
+    /// The colours.
+    pub color: Cubemap<Straight>,
+}
+
+/// The first part of [`crown`]: stages `shape` and `foliage`.
+///
+/// # Errors
+/// [`CrownError`].
+pub fn colored_surface(
+    photo: &Image<Straight>,
+    mask: &Mask,
+    settings: &CrownSettings,
+    seed: Seed,
+    progress: Progress<'_>,
+    cancel: &Cancel,
+) -> Result<ColoredSurface, CrownError> {
     settings.check()?;
     let sizes = [
         [photo.width(), photo.height()],
@@ -196,10 +238,11 @@ pub fn crown(
         size: settings.size,
         ..settings.foliage
     };
-    let made = foliage_cubemap(photo, mask, shape.extent, &foliage, seed, &progress, cancel)?;
+    let radius = base_m.map(|&radius| radius * shape.photo_px_per_m as f32);
+    let extent = Extent::of_surface(&radius);
+    let made = foliage_cubemap(photo, mask, extent, &foliage, seed, &progress, cancel)?;
     stage.advance();
     let color = if settings.photo_front {
-        let radius = base_m.map(|&radius| radius * shape.photo_px_per_m as f32);
         let surface = CrownSurface {
             center: shape.photo_center,
             radius: &radius,
@@ -210,17 +253,10 @@ pub fn crown(
     };
     stage.advance();
     drop(stage);
-    let stage = progress.stage("relief", 1);
-    let height = height_cubemap(&color, &settings.relief, cancel)?;
-    let radius_m = radius_with_relief(&base_m, &height, settings.rho, settings.relief.steepest);
-    stage.advance();
-    drop(stage);
-    Ok(Crown {
-        center_m: shape.frame.center_m,
-        radius_m,
+    Ok(ColoredSurface {
+        shape,
+        base_m,
         color,
-        height,
-        base_mesh: shape.base_mesh,
     })
 }
 
@@ -235,8 +271,6 @@ pub struct CrownShape {
     pub photo_center: Point,
     /// Pixels of the photograph in a metre.
     pub photo_px_per_m: f64,
-    /// How far the crown reaches from its centre, pixels of the photograph.
-    pub extent: Extent,
 }
 
 /// The inflated `mask`, without relief and copies.
@@ -252,7 +286,6 @@ pub fn crown_shape(
     let volume =
         Volume::new(mask, settings.size, &settings.envelope).ok_or(InflationError::Empty)?;
     let center = crown_center(&volume.mask).ok_or(InflationError::Empty)?;
-    let extent = extent_of(&volume.mask, center).ok_or(InflationError::Empty)?;
     let trunk_m = settings
         .trunk_height_m
         .unwrap_or(TRUNK_SHARE * settings.height_m);
@@ -270,11 +303,6 @@ pub fn crown_shape(
         frame,
         photo_center: volume.photo_from_mask(center),
         photo_px_per_m: in_photo(1.0 / frame.metres_per_pixel),
-        extent: Extent {
-            across: in_photo(extent.across),
-            up: in_photo(extent.up),
-            down: in_photo(extent.down),
-        },
     })
 }
 

@@ -9,6 +9,9 @@ mod crown;
 mod frame;
 mod tree_maps;
 
-pub use crown::{CrownError, CrownSettings, CrownShape, TRUNK_SHARE, crown, crown_shape};
+pub use crown::{
+    ColoredSurface, CrownError, CrownSettings, CrownShape, TRUNK_SHARE, colored_surface, crown,
+    crown_shape,
+};
 pub use frame::CrownFrame;
 pub use tree_maps::{DEPTH_SHARE, TreeMaps, tree_maps};

@@ -24,12 +24,14 @@ pub(super) const ROUND: [CubeFace; 4] = [
     CubeFace::PosX,
 ];
 
-/// The size of the lateral faces of a [`Lattice`]; lids are `width` × `width`.
+/// The size of a [`Lattice`], a box of texture; each side at least [`LatticeSize::LEAST`] texels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LatticeSize {
-    /// Texels across a lateral face, at least [`LatticeSize::LEAST`].
+    /// Texels across its front and back.
     pub width: u32,
-    /// Texels down a lateral face, at least [`LatticeSize::LEAST`].
+    /// Texels across its left and right sides.
+    pub depth: u32,
+    /// Texels down all four.
     pub height: u32,
 }
 
@@ -40,17 +42,32 @@ impl LatticeSize {
     /// The width of the bands in which seams are sought: an eighth of a face, as in the thesis.
     /// Narrower leaves seams no choice, wider shortens what the lids have of their own.
     pub fn band(self) -> u32 {
-        self.width / 8
+        self.width.min(self.depth) / 8
     }
 
     /// Width and height of the texture that becomes the lateral faces.
     pub fn lateral(self) -> [u32; 2] {
-        [4 * self.width + self.band(), self.height + 2 * self.band()]
+        [self.girth() + self.band(), self.height + 2 * self.band()]
     }
 
     /// Width and height of the texture that becomes a lid.
     pub fn lid(self) -> [u32; 2] {
-        [self.width, self.width]
+        [self.width, self.depth]
+    }
+
+    /// Texels all around.
+    fn girth(self) -> u32 {
+        2 * (self.width + self.depth)
+    }
+
+    /// Texels across a lateral face, by its place in [`ROUND`].
+    fn across(self, index: usize) -> u32 {
+        [self.width, self.depth][index % 2]
+    }
+
+    /// The first column of a lateral face in the ring of all, by its place in [`ROUND`].
+    fn first_column(self, index: usize) -> u32 {
+        (0..index).map(|before| self.across(before)).sum()
     }
 }
 
@@ -71,7 +88,7 @@ pub fn assembled(
 ) -> Result<Lattice, Cancelled> {
     let is = |image: &Image<Straight>, sides| [image.width(), image.height()] == sides;
     assert!(
-        size.width.min(size.height) >= LatticeSize::LEAST,
+        size.width.min(size.depth).min(size.height) >= LatticeSize::LEAST,
         "bands need some texels"
     );
     assert!(
@@ -136,7 +153,7 @@ fn joined_lid(
         let side = |column, row| fold.side(column, row);
         let seam = seam(&first, &second, side, StepCost::Difference, cancel)?;
         for row in 0..size.band() {
-            for column in 0..size.width {
+            for column in 0..size.across(index) {
                 if !seam.from_second.at(column, row) {
                     let (x, y) = fold.place(column, row);
                     joined.set(x, y, first.at(column, row));
@@ -161,21 +178,21 @@ impl Fold {
     /// Where on the lid a texel of this side lies.
     fn place(&self, column: u32, row: u32) -> (u32, u32) {
         let [right, _, out] = ROUND[self.index].axes();
-        let size = f64::from(self.size.width);
-        let along = (2.0 * f64::from(column) + 1.0) / size - 1.0;
-        let inwards = 1.0 - (2.0 * f64::from(row) + 1.0) / size;
+        let centre = |i: u32, size: u32| (2.0 * f64::from(i) + 1.0) / f64::from(size) - 1.0;
+        let along = centre(column, self.size.across(self.index));
+        let inwards = -centre(row, self.size.across(self.index + 1));
         let position = right * along + out * inwards;
         let [lid_right, lid_down, _] = self.face.axes();
-        let texel = |u: f64| ((u + 1.0) / 2.0 * size) as u32;
+        let texel = |u: f64, size: u32| ((u + 1.0) / 2.0 * f64::from(size)) as u32;
         (
-            texel(position.dot(lid_right)),
-            texel(position.dot(lid_down)),
+            texel(position.dot(lid_right), self.size.width),
+            texel(position.dot(lid_down), self.size.depth),
         )
     }
 
     /// The band of the ring beyond this edge, its row 0 next to the face.
     fn band_of(&self, ring: &Image<Straight>) -> Image<Straight> {
-        let first = self.index as u32 * self.size.width;
+        let first = self.size.first_column(self.index);
         let at = |column, row| {
             let y = match self.face {
                 CubeFace::PosY => self.size.band() - 1 - row,
@@ -195,17 +212,16 @@ impl Fold {
     }
 
     fn picture(&self, at: impl Fn(u32, u32) -> Straight) -> Image<Straight> {
-        let rows = self.size.band();
-        let texels =
-            (0..rows).flat_map(|row| (0..self.size.width).map(move |column| (column, row)));
+        let (columns, rows) = (self.size.across(self.index), self.size.band());
+        let texels = (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row)));
         let pixels = texels.map(|(column, row)| at(column, row)).collect();
-        Image::from_pixels(self.size.width, rows, pixels)
+        Image::from_pixels(columns, rows, pixels)
     }
 
     /// The outermost row is the band's, the innermost the lid's, and so are the outermost columns
     /// where the side before (and for the last the first one) put its own band.
     fn side(&self, column: u32, row: u32) -> Side {
-        let last = self.size.width - 1;
+        let last = self.size.across(self.index) - 1;
         // To the right the lateral faces follow one another, so the side before is on the left.
         let is_neighbours =
             (self.index > 0 && column == 0) || (self.index == ROUND.len() - 1 && column == last);
@@ -217,8 +233,7 @@ impl Fold {
     }
 }
 
-/// What a cubemap is read from: a box of texture without a visible edge, `size.width` texels wide and
-/// deep and `size.height` high.
+/// What a cubemap is read from: a box of texture without a visible edge.
 #[derive(Debug, Clone)]
 pub struct Lattice {
     /// The lateral faces in the order of [`ROUND`], their bands above and below them.
@@ -229,18 +244,19 @@ pub struct Lattice {
 }
 
 impl Lattice {
-    /// The width and height of its lateral faces.
+    /// Its width, depth and height.
     pub fn size(&self) -> LatticeSize {
         self.size
     }
 
-    /// The texture of `face`: `size.width` texels wide, and as high unless it is a lateral one.
+    /// The texture of `face`.
     pub fn face(&self, face: CubeFace) -> Image<Straight> {
-        let LatticeSize { width, height } = self.size;
+        let size = self.size;
         match round_of(face) {
-            Some(place) => self
-                .ring
-                .cropped(place * width, self.size.band(), width, height),
+            Some(index) => {
+                let (first, across) = (size.first_column(index), size.across(index));
+                self.ring.cropped(first, size.band(), across, size.height)
+            }
             None => self.lids[usize::from(face == CubeFace::NegY)].clone(),
         }
     }
@@ -249,12 +265,12 @@ impl Lattice {
     /// it goes on.
     #[inline]
     fn texel(&self, face: CubeFace, x: i64, y: i64) -> Straight {
-        let width = i64::from(self.size.width);
         match round_of(face) {
-            Some(place) => {
-                let row =
-                    (y + i64::from(self.size.band())).clamp(0, i64::from(self.ring.height()) - 1);
-                let column = (i64::from(place) * width + x).rem_euclid(4 * width);
+            Some(index) => {
+                let last = i64::from(self.ring.height()) - 1;
+                let row = (y + i64::from(self.size.band())).clamp(0, last);
+                let column = i64::from(self.size.first_column(index)) + x;
+                let column = column.rem_euclid(i64::from(self.ring.width()));
                 self.ring.at(column as u32, row as u32)
             }
             None => {
@@ -266,34 +282,33 @@ impl Lattice {
 
     /// The texel beyond the edge of a lid: on the lateral face there; beyond a corner the nearest.
     fn below_lid(&self, face: CubeFace, x: i64, y: i64) -> Straight {
-        let last = i64::from(self.size.width) - 1;
-        let (inner_x, inner_y) = (x.clamp(0, last), y.clamp(0, last));
-        let depth = (x - inner_x).abs().max((y - inner_y).abs()) - 1;
-        let size = f64::from(self.size.width);
-        let centre = |i: i64| (2.0 * i as f64 + 1.0) / size - 1.0;
+        let [width, depth] = self.size.lid().map(i64::from);
+        let (inner_x, inner_y) = (x.clamp(0, width - 1), y.clamp(0, depth - 1));
+        let [beyond_x, beyond_y] = [x - inner_x, y - inner_y];
+        let centre = |i: i64, size: i64| (2 * i + 1) as f64 / size as f64 - 1.0;
         let [right, down, _] = face.axes();
         // Across the edge that was left farther behind.
-        let (along, out) = if (x - inner_x).abs() >= (y - inner_y).abs() {
+        let (along, out) = if beyond_x.abs() >= beyond_y.abs() {
             (
-                down * centre(inner_y),
-                right * (x - inner_x).signum() as f64,
+                down * centre(inner_y, depth),
+                right * beyond_x.signum() as f64,
             )
         } else {
             (
-                right * centre(inner_x),
-                down * (y - inner_y).signum() as f64,
+                right * centre(inner_x, width),
+                down * beyond_y.signum() as f64,
             )
         };
-        let lateral = ROUND
-            .iter()
-            .position(|face| face.axes()[2] == out)
-            .unwrap_or(0);
-        let column = ((along.dot(ROUND[lateral].axes()[0]) + 1.0) / 2.0 * size) as i64;
+        let is_there = |lateral: &CubeFace| lateral.axes()[2] == out;
+        let index = ROUND.iter().position(is_there).unwrap_or(0);
+        let across = f64::from(self.size.across(index));
+        let column = ((along.dot(ROUND[index].axes()[0]) + 1.0) / 2.0 * across) as i64;
+        let below = beyond_x.abs().max(beyond_y.abs()) - 1;
         let row = match face {
-            CubeFace::PosY => depth,
-            _ => i64::from(self.size.height) - 1 - depth,
+            CubeFace::PosY => below,
+            _ => i64::from(self.size.height) - 1 - below,
         };
-        self.texel(ROUND[lateral], column, row)
+        self.texel(ROUND[index], column, row)
     }
 
     /// The colour at (`x`, `y`) of `face`, texel centres at whole numbers: Catmull–Rom over 4 × 4
@@ -320,7 +335,7 @@ impl Lattice {
 
 /// Which of [`ROUND`] a face is; `None` for lids.
 #[inline]
-fn round_of(face: CubeFace) -> Option<u32> {
+fn round_of(face: CubeFace) -> Option<usize> {
     match face {
         CubeFace::NegZ => Some(0),
         CubeFace::NegX => Some(1),
@@ -358,6 +373,7 @@ mod tests {
     fn what_lies_on_both_sides_of_an_edge_is_one_piece_of_texture() {
         let size = LatticeSize {
             width: 32,
+            depth: 32,
             height: 32,
         };
         let [width, height] = size.lateral();
@@ -392,6 +408,7 @@ mod tests {
             for (index, lateral) in ROUND.iter().enumerate() {
                 let size = LatticeSize {
                     width: 16,
+                    depth: 16,
                     height: 40,
                 };
                 let fold = Fold { face, index, size };
@@ -412,28 +429,29 @@ mod tests {
     fn texels_beyond_an_edge_are_where_the_texture_goes_on() {
         let size = LatticeSize {
             width: 16,
-            height: 24,
+            depth: 24,
+            height: 30,
         };
         let [width, height] = size.lateral();
-        let lids = [numbered(16, 16, 200), numbered(16, 16, 100)];
+        let lids = [numbered(16, 24, 200), numbered(16, 24, 100)];
         let lateral = numbered(width, height, 0);
         let lattice = assembled(&lateral, &lids[0], &lids[1], size, &Cancel::new()).unwrap();
         // Right of the front is the right; above it the top's last row; beyond the top's last row
         // the front again.
         let (front, right, top) = (CubeFace::PosZ, CubeFace::PosX, CubeFace::PosY);
         assert_eq!(lattice.texel(front, 16, 5), lattice.texel(right, 0, 5));
-        assert_eq!(lattice.texel(front, 7, -1), lattice.texel(top, 7, 15));
+        assert_eq!(lattice.texel(front, 7, -1), lattice.texel(top, 7, 23));
         for row in 0..2 {
             assert_eq!(
-                lattice.texel(top, 7, 16 + row),
+                lattice.texel(top, 7, 24 + row),
                 lattice.texel(front, 7, row)
             );
             assert_eq!(
                 lattice.texel(top, 16 + row, 7),
-                lattice.texel(right, 8, row)
+                lattice.texel(right, 16, row)
             );
             let below = lattice.texel(CubeFace::NegY, 16 + row, 7);
-            assert_eq!(below, lattice.texel(right, 7, 23 - row));
+            assert_eq!(below, lattice.texel(right, 7, 29 - row));
         }
         let [r, g, b] = lattice.sampled(front, 4.0, 6.0);
         assert_eq!(

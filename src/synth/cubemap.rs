@@ -54,12 +54,13 @@ pub struct FoliageCubemap {
     pub(super) exemplar: Exemplar,
 }
 
-/// How far the crown of `mask` reaches from `center`, pixels; `None` when the mask is empty.
+/// How far the crown of `mask` reaches from `center`, pixels, if it is as deep as wide; `None` when the mask is empty.
 pub fn extent_of(mask: &Mask, center: Point) -> Option<Extent> {
     let bounds = opaque_bounds(mask)?;
     let (top, height) = (f64::from(bounds.y) - 0.5, f64::from(bounds.height));
     Some(Extent {
         across: f64::from(bounds.width) / 2.0,
+        depth: f64::from(bounds.width) / 2.0,
         up: (center.y - top).clamp(0.0, height),
         down: (top + height - center.y).clamp(0.0, height),
     })
@@ -124,11 +125,7 @@ impl CubemapSettings {
         }
         // The ball of the thesis's scale: the geometric mean of half width and half height.
         let radius = libm::sqrt(extent.across * (extent.up + extent.down) / 2.0);
-        Extent {
-            across: radius,
-            up: radius,
-            down: radius,
-        }
+        Extent::ball(radius)
     }
 }
 

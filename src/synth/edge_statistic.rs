@@ -54,7 +54,7 @@ pub fn edge_statistic(map: &Cubemap<Straight>) -> EdgeStatistic {
         edge[..AT_CORNER].iter().chain(&edge[end..])
     });
     let corner_mean = mean(ends);
-    let line_means: Vec<f64> = lines.iter().map(|line| mean(line)).collect();
+    let line_means: Vec<f64> = lines.iter().map(mean).collect();
     let drawn_edges = |random: &mut Random| {
         let drawn: Vec<f64> = edges
             .iter()
@@ -147,15 +147,31 @@ mod tests {
     use super::*;
     use glam::DVec3;
 
-    fn wavy(d: DVec3) -> f64 {
-        let d = d.normalize() * 40.0;
-        libm::sin(d.x) + libm::sin(d.y + 1.0) + libm::sin(d.z + 2.0)
+    /// Waves in all directions, with no regard for the cube's: −1 … 1 mostly.
+    fn wavy() -> impl Fn(DVec3) -> f64 {
+        let mut random = Seed(4).random();
+        let mut number = move || random.between(-1.0, 1.0);
+        let waves: Vec<(DVec3, f64)> = (0..40)
+            .map(|_| {
+                let way = DVec3::new(number(), number(), number()).normalize();
+                (way * 14.0, 4.0 * number())
+            })
+            .collect();
+        move |d: DVec3| {
+            let d = d.normalize();
+            let sum: f64 = waves
+                .iter()
+                .map(|(way, phase)| libm::sin(way.dot(d) + phase))
+                .sum();
+            sum / 10.0
+        }
     }
 
     #[test]
     fn what_goes_over_edges_is_not_seen_and_a_step_is() {
+        let wave = wavy();
         let seamless = Cubemap::from_directions(64, |d| {
-            let value = (128.0 + 40.0 * wavy(d)) as u8;
+            let value = (128.0 + 40.0 * wave(d)) as u8;
             Straight([value, value, value, 255])
         });
         let good = edge_statistic(&seamless);

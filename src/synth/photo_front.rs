@@ -30,6 +30,11 @@ const SURELY_FRONT: f64 = 0.85;
 /// width there.
 const NEVER_FRONT: f64 = 0.3;
 
+/// What a texel of the band costs that is not taken from the photograph although it could be, towards
+/// [`SURELY_FRONT`]; a step of a seam costs about a hundred between leaves. Without it the cheapest seam
+/// is the shortest, and the photograph shrinks to patches between gaps of sky.
+const MOST_PREFERRED: u8 = 60;
+
 /// Pixels around sky in which the seam may run.
 const AROUND_SKY: u8 = 2;
 
@@ -58,7 +63,7 @@ pub fn with_photo_front(
         let texels = (0..size).map(|x| photo.texel(surface, face, [x, y], size));
         Ok(texels.collect::<Vec<_>>())
     };
-    let rows: Vec<Vec<(Straight, Side)>> = (0..6 * size)
+    let rows: Vec<Vec<Seen>> = (0..6 * size)
         .into_par_iter()
         .map(|index| row(CubeFace::ALL[(index / size) as usize], index % size))
         .collect::<Result<_, Cancelled>>()?;
@@ -67,9 +72,24 @@ pub fn with_photo_front(
         Image::from_pixels(size, size, rows[first..first + size as usize].concat())
     }));
     let (color, side) = (seen.map(|texel| texel.0), seen.map(|texel| texel.1));
-    let (from_foliage, _) = cube_seam(&color, &foliage.color, &side, StepCost::Difference, cancel)?;
+    let preference = seen.map(|texel| texel.2);
+    let (from_foliage, _) = cube_seam(
+        &color,
+        &foliage.color,
+        &side,
+        &preference,
+        StepCost::Difference,
+        cancel,
+    )?;
     Ok(chosen(&color, &foliage.color, &from_foliage))
 }
+
+/// What the photograph shows in a texel; whether it may, must or must not be taken; and what it costs
+/// not to take it where it may.
+type Seen = (Straight, Side, u8);
+
+/// A texel that the photograph does not show.
+const NOTHING: Seen = (Straight([0; 4]), Side::Second, 0);
 
 /// The photograph, ready to be looked up.
 struct Front<'a> {
@@ -100,19 +120,19 @@ impl<'a> Front<'a> {
         }
     }
 
-    /// What the photograph shows in a texel, and whether it may, must or must not be taken.
+    /// What the photograph shows in a texel.
     fn texel(
         &self,
         surface: CrownSurface<'_>,
         face: CubeFace,
         [x, y]: [u32; 2],
         size: u32,
-    ) -> (Straight, Side) {
+    ) -> Seen {
         let centre = |i: u32| (2.0 * f64::from(i) + 1.0) / f64::from(size) - 1.0;
         let (u, v) = (centre(x), centre(y));
         let facing = facing(surface.radius, face, [u, v]);
         if facing <= NEVER_FRONT {
-            return (Straight::default(), Side::Second);
+            return NOTHING;
         }
         let point = position(surface.radius, face.direction(u, v));
         let seen = Point::new(surface.center.x + point.x, surface.center.y - point.y);
@@ -121,17 +141,19 @@ impl<'a> Front<'a> {
         let (column, row) = (near(place.x), near(place.y));
         let leaves = self.foliage.exemplar.foliage();
         if leaves.get(column, row) != Some(true) {
-            return (Straight::default(), Side::Second);
+            return NOTHING;
         }
         let evened = smooth_step((SURELY_FRONT + 0.1 - facing) / (SURELY_FRONT - NEVER_FRONT));
         let colors = [&self.foliage.scaled.photo, &self.even];
         let [raw, even] = colors.map(|image| bilinear(image, leaves, place));
         let mixed = |c: usize| (raw[c] + (even[c] - raw[c]) * evened + 0.5) as u8;
         let color = Straight([mixed(0), mixed(1), mixed(2), 255]);
+        let front = (facing - NEVER_FRONT) / (SURELY_FRONT - NEVER_FRONT);
+        let preference = f64::from(MOST_PREFERRED) * front.min(1.0);
         let is_inner = self.inner.get(column, row) == Some(true);
         match facing >= SURELY_FRONT && is_inner {
-            true => (color, Side::First),
-            false => (color, Side::Either),
+            true => (color, Side::First, 0),
+            false => (color, Side::Either, preference as u8),
         }
     }
 }

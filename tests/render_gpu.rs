@@ -8,7 +8,7 @@ use boscage::base::{Cancel, Progress};
 use boscage::geometry::Mesh;
 use boscage::raster::{Cubemap, Image, Straight, encode_png};
 use boscage::render::{
-    Gpu, GpuRenderer, Mode, Occlusion, PreparedCrown, Proxy, RenderError, RenderSettings,
+    Gpu, GpuRenderer, LeafSet, Mode, Occlusion, PreparedCrown, Proxy, RenderError, RenderSettings,
     SceneView, Shortcut, View, cpu,
 };
 use boscage::scene::{Backdrop, Camera, Crown, CrownInstance, Light};
@@ -157,6 +157,8 @@ fn with_view(camera: &Camera, backdrop: Backdrop, draw: impl FnOnce(&SceneView<'
     draw(&SceneView {
         crowns: &prepared(),
         instances: &[CrownInstance::plain(0)],
+        meshes: &[],
+        leaves: &LeafSet::default(),
         camera,
         light: &Light::default(),
         backdrop,
@@ -222,6 +224,8 @@ fn twins_agree_on_a_scene(gpu: &Gpu) {
     let view = SceneView {
         crowns: &prepared(),
         instances: &instances,
+        meshes: &[],
+        leaves: &LeafSet::default(),
         camera: &Camera::framing(DVec3::new(0.0, 4.0, 0.0), 9.0, (20.0, 25.0), 1.0),
         light: &Light::default(),
         backdrop: Backdrop::Studio,

@@ -12,6 +12,7 @@ mod cube_sphere;
 mod domain;
 mod height;
 mod inflation;
+mod leaf_points;
 mod luminance;
 mod pyramid;
 mod radial_raster;
@@ -24,6 +25,7 @@ pub use cube_sphere::{CubeSphere, cube_sphere, grid_line};
 pub use domain::{Domain, RingPixel};
 pub use height::{height_cubemap, radius_with_relief};
 pub use inflation::{Inflation, InflationError, Sheet};
+pub use leaf_points::{LEAF_POINTS, leaf_points};
 pub use luminance::luminance;
 pub use pyramid::{Pyramid, ReliefSettings, SettingError};
 pub use radius::{

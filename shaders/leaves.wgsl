@@ -35,7 +35,7 @@ struct Leaf {
 
 // Share of the leaves that are growing.
 const GROWING: f32 = 0.15;
-const DEEPEST: f32 = 0.5;
+const DEEPEST: f32 = 0.62;
 const DRAWN_BACK: f32 = 0.42;
 const SPREAD: f32 = 0.55;
 
@@ -90,7 +90,10 @@ fn corner(@builtin(vertex_index) vertex: u32, in: Crown) -> Leaf {
     let upward = dot(seen, frame.up) / (away * frame.tan_y);
     let angle = hashed(salt ^ 2u) * 6.2831853;
     let surface = surface_at(direction, max(crown.surface_levels, 3u) - 3u);
-    let inside = clamp(depth_share - 0.35, 0.0, 0.65) / 0.65;
+    // Shade is that of the surface above the leaf: within the crown nothing would be lit.
+    let normal_local = normal_at(direction, shape_level);
+    let above = direction * reach + normal_local * (0.05 * crown.mean_radius);
+    let inside = clamp(depth_share - 0.45, 0.0, 0.45) / 0.45;
     let bright = 0.85 + 0.3 * hashed(salt ^ 3u);
     let texels = 128.0 / max(2.0 * half_side, 1.0);
     let level = min(log2(max(texels, 1.0)), f32(textureNumLevels(atlas) - 1u));
@@ -102,8 +105,8 @@ fn corner(@builtin(vertex_index) vertex: u32, in: Crown) -> Leaf {
     out.ids = vec3(salt % textureNumLayers(atlas), salt, in.dither);
     out.albedo = vec4(surface.rgb * in.tint * bright, surface.a * (0.35 + 0.65 * inside));
     out.normal = vec4(
-        world_from_local(in.turn, normal_at(direction, shape_level)),
-        sunlit_at(point, toward_sun, shape_level),
+        world_from_local(in.turn, normal_local),
+        sunlit_at(above, toward_sun, shape_level) * (0.25 + 0.75 * inside),
     );
     out.point = vec4(point, metres / in.scale);
     out.turn = in.turn;

@@ -1,5 +1,7 @@
 //! The renderer on the processor: against what geometry says, and against itself.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use boscage::base::{Cancel, Progress};
 use boscage::geometry::Mesh;
 use boscage::raster::{Cubemap, Image, Straight};

@@ -217,9 +217,9 @@ pub(crate) struct Resolved {
 
 /// Size of the dark core within a leaf crown: one does not look through a dense crown, and its few
 /// hundred leaves alone would leave gaps. Above 0.9 the core shows between the outermost leaves.
-const CORE: f32 = 0.84;
+const CORE: f32 = 0.78;
 /// Brightness of the core.
-const CORE_LIGHT: f32 = 0.5;
+const CORE_LIGHT: f32 = 0.4;
 
 impl Resolved {
     /// Which crown is drawn how. A crown that changes its form is drawn by both passes, each taking

@@ -169,7 +169,7 @@ pub struct LeafSettings {
 impl Default for LeafSettings {
     fn default() -> Self {
         Self {
-            leaves_a_pixel: 4.0,
+            leaves_a_pixel: 8.0,
             least: 64,
             most: 1280,
             size: 4.0,

@@ -16,7 +16,7 @@ use glam::Vec3;
 /// Share of the leaves that are growing.
 const GROWING: f32 = 0.15;
 /// How far within the ball a leaf's share of the radius goes: the inside is hidden.
-const DEEPEST: f32 = 0.5;
+const DEEPEST: f32 = 0.62;
 /// How far leaves are drawn back from the surface, in halves of their side.
 const DRAWN_BACK: f32 = 0.42;
 /// How much a twig's normals spread, as those of a ball would.
@@ -99,7 +99,10 @@ fn leaf(frame: &Frame, drawn: &Drawn<'_>, ball: Vec3, index: u32, count: f32) ->
     let angle = hashed(salt ^ 2) * std::f32::consts::TAU;
     let color_level = numbers.surface_levels.max(3) - 3;
     let (albedo, open) = surface_at(&drawn.crown.surface, direction, color_level);
-    let inside = (depth_share - 0.35).clamp(0.0, 0.65) / 0.65;
+    // Shade is that of the surface above the leaf: within the crown nothing would be lit.
+    let normal_local = normal(radius, direction, shape_level);
+    let above = direction * reach + normal_local * (0.05 * numbers.mean_radius);
+    let inside = (depth_share - 0.45).clamp(0.0, 0.45) / 0.45;
     let bright = 0.85 + 0.3 * hashed(salt ^ 3);
     let texels = 128.0 / (2.0 * half).max(1.0);
     Some(Leaf {
@@ -112,9 +115,9 @@ fn leaf(frame: &Frame, drawn: &Drawn<'_>, ball: Vec3, index: u32, count: f32) ->
         level: libm::log2f(texels.max(1.0)).min((LEVELS - 1) as f32),
         salt,
         albedo: albedo * Vec3::from(instance.tint) * bright,
-        normal: instance.world(normal(radius, direction, shape_level)),
+        normal: instance.world(normal_local),
         open: open * (0.35 + 0.65 * inside),
-        sunlit: sunlit_at(frame, drawn, point, shape_level),
+        sunlit: sunlit_at(frame, drawn, above, shape_level) * (0.25 + 0.75 * inside),
         point,
         metres_a_sample: metres_a_sample / instance.scale,
     })

@@ -23,6 +23,8 @@ struct March {
     @location(4) @interpolate(flat) surface_level: f32,
     @location(5) @interpolate(flat) tint: vec3<f32>,
     @location(6) @interpolate(flat) radius_level: u32,
+    @location(7) @interpolate(flat) fade: f32,
+    @location(8) @interpolate(flat) dither: u32,
 }
 
 struct Seen {
@@ -39,18 +41,12 @@ struct Hit {
 // Distance of the corners of the icosahedron around the unit ball.
 const PROXY: f32 = 1.258409;
 
-fn level_for(size: u32, levels: u32, radius_samples: f32) -> f32 {
-    let texels = f32(size) * 0.63661977 / radius_samples;
-    return min(log2(max(texels, 1.0)), f32(levels - 1u));
-}
-
 @vertex
 fn corner(in: Corner) -> March {
     let most = crown.radius_range.y;
     let world = in.center + in.position * (most * in.scale);
     let eye = local_from_world(in.turn, frame.eye - in.center) * (1.0 / in.scale);
-    let distance = max(sqrt(dot(eye, eye)) - most * 0.5, most * 0.05);
-    let radius_samples = most / (distance * frame.sample_size);
+    let radius_samples = radius_in_samples(eye);
     var out: March;
     out.clip = frame.clip_from_world * vec4(world, 1.0);
     out.eye = eye;
@@ -60,6 +56,8 @@ fn corner(in: Corner) -> March {
     out.surface_level = level_for(crown.surface_size, crown.surface_levels, radius_samples);
     out.tint = in.tint;
     out.radius_level = u32(level_for(crown.radius_size, crown.radius_levels, radius_samples));
+    out.fade = in.fade;
+    out.dither = in.dither;
     return out;
 }
 
@@ -165,6 +163,9 @@ fn seen(march: March, hit: Hit, point: vec3<f32>) -> vec3<f32> {
 
 @fragment
 fn sample(march: March) -> Seen {
+    if pattern(march.clip.xy, march.dither) < march.fade {
+        discard;
+    }
     let world = ray_through(march.clip.xy);
     let ray = local_from_world(march.turn, world);
     let hit = hit_of(march.eye, ray, march.steps, march.radius_level);

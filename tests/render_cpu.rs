@@ -1,9 +1,11 @@
 //! The renderer on the processor: against what geometry says, and against itself.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use boscage::base::{Cancel, Progress};
 use boscage::geometry::Mesh;
 use boscage::raster::{Cubemap, Image, Straight};
-use boscage::render::{PreparedCrown, RenderSettings, SceneView, Shortcut, View, cpu};
+use boscage::render::{LeafSet, PreparedCrown, RenderSettings, SceneView, Shortcut, View, cpu};
 use boscage::scene::{Backdrop, Camera, Crown, CrownInstance, Light};
 use glam::DVec3;
 
@@ -51,6 +53,8 @@ fn seen<T>(crown: &Crown, camera: &Camera, draw: impl FnOnce(&SceneView<'_>) -> 
     draw(&SceneView {
         crowns: &prepared,
         instances: &[CrownInstance::plain(0)],
+        meshes: &[],
+        leaves: &LeafSet::default(),
         camera,
         light: &Light::default(),
         backdrop: Backdrop::Clear,

@@ -4,14 +4,17 @@
 //! there must be one. Since libtest cannot ignore a test once it runs, this file brings its own
 //! small harness; it takes the name of a test as libtest does, and ignores libtest's options.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![allow(clippy::print_stdout, reason = "a harness tells of its tests")]
+
 use boscage::base::{Cancel, Progress};
 use boscage::geometry::Mesh;
 use boscage::raster::{Cubemap, Image, Straight, encode_png};
 use boscage::render::{
-    Gpu, GpuRenderer, Mode, Occlusion, PreparedCrown, Proxy, RenderError, RenderSettings,
-    SceneView, Shortcut, View, cpu,
+    Gpu, GpuRenderer, LeafClip, LeafSet, Mode, Occlusion, PreparedCrown, PreparedMesh, Proxy,
+    RenderError, RenderSettings, SceneView, Shortcut, View, cpu,
 };
-use boscage::scene::{Backdrop, Camera, Crown, CrownInstance, Light};
+use boscage::scene::{Backdrop, Camera, Crown, CrownInstance, Light, Trunk};
 use glam::DVec3;
 use std::panic::catch_unwind;
 use std::process::ExitCode;
@@ -21,6 +24,8 @@ type Test = (&'static str, fn(&Gpu));
 
 const TESTS: &[Test] = &[
     ("twins_agree_on_relief", twins_agree_on_relief),
+    ("twins_agree_on_leaves", twins_agree_on_leaves),
+    ("twins_agree_on_meshes", twins_agree_on_meshes),
     ("twins_agree_on_every_view", twins_agree_on_every_view),
     ("twins_agree_on_a_scene", twins_agree_on_a_scene),
     ("proxies_make_one_picture", proxies_make_one_picture),
@@ -157,6 +162,8 @@ fn with_view(camera: &Camera, backdrop: Backdrop, draw: impl FnOnce(&SceneView<'
     draw(&SceneView {
         crowns: &prepared(),
         instances: &[CrownInstance::plain(0)],
+        meshes: &[],
+        leaves: &LeafSet::default(),
         camera,
         light: &Light::default(),
         backdrop,
@@ -183,6 +190,46 @@ fn twins_agree_on_relief(gpu: &Gpu) {
     };
     with_view(&front(), Backdrop::Clear, |view| {
         assert_twins_agree("fine", gpu, view, &fine);
+    });
+}
+
+fn twins_agree_on_leaves(gpu: &Gpu) {
+    for (name, clip, mode, distance) in [
+        ("leaves", LeafClip::Center, Mode::Leaves, 1.0),
+        ("leaves_cut", LeafClip::Fragment, Mode::Leaves, 1.0),
+        ("leaves_far", LeafClip::Center, Mode::Leaves, 6.0),
+        ("leaves_near", LeafClip::Center, Mode::Leaves, 0.4),
+        ("leaves_mixed", LeafClip::Center, Mode::Switched, 1.0),
+    ] {
+        let camera = front().orbited(30.0, 12.0).zoomed(distance);
+        let mut settings = RenderSettings { mode, ..settings() };
+        settings.leaves.clip = clip;
+        let middle = camera.eye_m().distance(DVec3::new(0.4, 5.0, -0.2));
+        settings.switch.nearest_m = middle;
+        settings.switch.farthest_m = middle;
+        with_view(&camera, Backdrop::Studio, |view| {
+            assert_twins_agree(name, gpu, view, &settings);
+        });
+    }
+}
+
+fn twins_agree_on_meshes(gpu: &Gpu) {
+    let crown = lumpy();
+    let meshes = [
+        PreparedMesh::of_trunk(&Trunk::under(&crown), &crown),
+        PreparedMesh::of_crown(&crown, 24),
+    ];
+    let camera = front().orbited(30.0, 12.0);
+    let settings = RenderSettings {
+        mode: Mode::Mesh,
+        ..settings()
+    };
+    with_view(&camera, Backdrop::Sky, |view| {
+        let view = SceneView {
+            meshes: &meshes,
+            ..*view
+        };
+        assert_twins_agree("mesh", gpu, &view, &settings);
     });
 }
 
@@ -222,6 +269,8 @@ fn twins_agree_on_a_scene(gpu: &Gpu) {
     let view = SceneView {
         crowns: &prepared(),
         instances: &instances,
+        meshes: &[],
+        leaves: &LeafSet::default(),
         camera: &Camera::framing(DVec3::new(0.0, 4.0, 0.0), 9.0, (20.0, 25.0), 1.0),
         light: &Light::default(),
         backdrop: Backdrop::Studio,

@@ -6,7 +6,8 @@ struct CrownNumbers {
     radius_levels: u32,
     surface_size: u32,
     surface_levels: u32,
-    padding: vec2<u32>,
+    mean_radius: f32,
+    center_height: f32,
 }
 
 @group(1) @binding(0) var<uniform> crown: CrownNumbers;
@@ -115,6 +116,19 @@ fn normal_at(direction: vec3<f32>, level: u32) -> vec3<f32> {
     let here = radius_at(direction, level) * (2.0 * step);
     let outward = direction * here - tangents.right * across - tangents.up * along;
     return outward * (1.0 / sqrt(dot(outward, outward)));
+}
+
+// A level as a number, so that a sample has a texel of the level at least.
+fn level_for(size: u32, levels: u32, radius_samples: f32) -> f32 {
+    let texels = f32(size) * 0.63661977 / radius_samples;
+    return min(log2(max(texels, 1.0)), f32(levels - 1u));
+}
+
+// The radius of a crown in samples, seen from its surface rather than its centre.
+fn radius_in_samples(eye: vec3<f32>) -> f32 {
+    let most = crown.radius_range.y;
+    let distance = max(sqrt(dot(eye, eye)) - most * 0.5, most * 0.05);
+    return most / (distance * frame.sample_size);
 }
 
 // The level of smooth shape, without leaves.

@@ -32,7 +32,8 @@ struct Frame {
     leaf_size: f32,
     leaf_clip: u32,
     fineness: u32,
-    padding: vec2<u32>,
+    point_count: u32,
+    padding: u32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;
@@ -61,4 +62,23 @@ fn world_from_local(turn: vec2<f32>, local: vec3<f32>) -> vec3<f32> {
         local.y,
         turn.x * local.z - turn.y * local.x,
     );
+}
+
+// A number from 0 to 1 for a sample of the picture: what shows of something that fades. Whole
+// numbers only, so that both renderers draw the same.
+fn pattern(place: vec2<f32>, salt: u32) -> f32 {
+    return hashed(u32(place.x) * 0x9e3779b1u ^ hash(u32(place.y) * 0x85ebca77u ^ salt));
+}
+
+// A number from 0 to 1 for a whole number.
+fn hashed(value: u32) -> f32 {
+    return f32(hash(value) >> 8u) * (1.0 / 16777216.0);
+}
+
+// A permutation of the whole numbers (Wellons, lowbias32).
+fn hash(value: u32) -> u32 {
+    var x = value;
+    x = (x ^ (x >> 16u)) * 0x7feb352du;
+    x = (x ^ (x >> 15u)) * 0x846ca68bu;
+    return x ^ (x >> 16u);
 }

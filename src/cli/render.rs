@@ -5,12 +5,14 @@ use super::input::read_crown;
 use super::output::recipe;
 use super::session::Session;
 use super::{Job, Stages};
-use crate::base::Digest;
+use crate::base::{Digest, Seed};
+use crate::branches::sprite::LeafShape;
 use crate::raster::{Compression, Image, Straight, encode_png};
 use crate::render::{
-    Backend, Mode, Occlusion, PreparedCrown, RenderSettings, Renderer, SceneView, View,
+    Backend, LeafClip, LeafSet, LeafSettings, Mode, Occlusion, PreparedCrown, PreparedMesh,
+    RenderSettings, Renderer, SceneView, View,
 };
-use crate::scene::{Backdrop, Camera, Crown, CrownInstance, Light};
+use crate::scene::{Backdrop, Camera, Crown, CrownInstance, Light, Trunk};
 use clap::{Args, ValueEnum};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -54,6 +56,12 @@ pub(super) struct Flags {
     /// What makes the inside darker: baked occlusion, or the terms of the thesis
     #[arg(long, value_enum, default_value_t, value_name = "NAME")]
     occlusion: OcclusionName,
+    /// Cut leaves off at the crown's surface, as the thesis does
+    #[arg(long)]
+    cut_leaves: bool,
+    /// Leave out the stem
+    #[arg(long)]
+    no_trunk: bool,
     /// Samples along each side of a pixel
     #[arg(long, default_value_t = 3, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4))]
     samples: u32,
@@ -65,6 +73,16 @@ pub(super) struct Flags {
     sun_pitch: f64,
 }
 
+/// Squares along a side of a face of the surface's mesh.
+const CELLS: u32 = 96;
+
+/// What a picture is made of, made once for all pictures.
+struct Things {
+    crowns: [PreparedCrown; 1],
+    meshes: Vec<PreparedMesh>,
+    leaves: LeafSet,
+}
+
 #[derive(Debug, Clone, Copy, Default, ValueEnum)]
 enum ModeName {
     /// The relief of the crown
@@ -72,8 +90,12 @@ enum ModeName {
     Relief,
     /// Twigs with leaves
     Leaves,
-    /// Triangles
+    /// Triangles of its surface
     Mesh,
+    /// Triangles of the base mesh, coloured by their distance from the centre
+    Base,
+    /// Leaves when near, relief when far
+    Auto,
 }
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
@@ -113,6 +135,7 @@ enum ViewName {
     Normals,
     Depth,
     RadiusError,
+    Wireframe,
 }
 
 /// A number of degrees.
@@ -231,7 +254,8 @@ impl Flags {
             mode: match self.mode {
                 ModeName::Relief => Mode::Relief,
                 ModeName::Leaves => Mode::Leaves,
-                ModeName::Mesh => Mode::Mesh,
+                ModeName::Mesh | ModeName::Base => Mode::Mesh,
+                ModeName::Auto => Mode::Switched,
             },
             view: match self.view {
                 ViewName::Picture => View::Picture,
@@ -239,6 +263,15 @@ impl Flags {
                 ViewName::Normals => View::Normals,
                 ViewName::Depth => View::Depth,
                 ViewName::RadiusError => View::RadiusError,
+                ViewName::Wireframe => View::Wireframe,
+            },
+            leaves: LeafSettings {
+                clip: if self.cut_leaves {
+                    LeafClip::Fragment
+                } else {
+                    LeafClip::Center
+                },
+                ..LeafSettings::default()
             },
             occlusion: match self.occlusion {
                 OcclusionName::Baked => Occlusion::Baked,
@@ -261,6 +294,20 @@ impl Flags {
         }
     }
 
+    /// The triangles of the picture: the stem, and the crown's surface where that is asked for.
+    fn meshes(&self, crown: &Crown) -> Vec<PreparedMesh> {
+        let mut meshes = Vec::new();
+        if !self.no_trunk {
+            meshes.push(PreparedMesh::of_trunk(&Trunk::under(crown), crown));
+        }
+        match self.mode {
+            ModeName::Mesh => meshes.push(PreparedMesh::of_crown(crown, CELLS)),
+            ModeName::Base => meshes.push(PreparedMesh::of_base(crown)),
+            _ => {}
+        }
+        meshes
+    }
+
     /// Draws and writes the pictures that are wanted; says who drew them.
     fn make(
         &self,
@@ -273,12 +320,16 @@ impl Flags {
         }
         let stage = session.progress.stage("prepare", 1);
         let mut renderer = self.renderer(session)?;
-        let prepared = [PreparedCrown::new(crown, session.cancel)?];
+        let things = Things {
+            crowns: [PreparedCrown::new(crown, session.cancel)?],
+            meshes: self.meshes(crown),
+            leaves: LeafSet::new(LeafShape::Ovate, Seed(session.options.seed)),
+        };
         stage.advance();
         drop(stage);
         let stage = session.progress.stage("render", wanted.len() as u64);
         for &(index, path, recipe) in wanted {
-            let picture = self.picture(session, crown, &prepared, &mut renderer, index)?;
+            let picture = self.picture(session, crown, &things, &mut renderer, index)?;
             let png = encode_png(&picture, Compression::Fast);
             session.cancel.check()?;
             session.output.write_item(path, png, recipe)?;
@@ -293,7 +344,7 @@ impl Flags {
         &self,
         session: &Session<'_>,
         crown: &Crown,
-        prepared: &[PreparedCrown],
+        things: &Things,
         renderer: &mut Renderer,
         index: u32,
     ) -> Result<Image<Straight>, Failure> {
@@ -304,7 +355,9 @@ impl Flags {
         };
         let camera = self.camera(crown).on_turntable(index, self.frames);
         let view = SceneView {
-            crowns: prepared,
+            crowns: &things.crowns,
+            meshes: &things.meshes,
+            leaves: &things.leaves,
             instances: &[CrownInstance::plain(0)],
             camera: &camera,
             light: &light,

@@ -3,8 +3,10 @@
 //! The structs are those of `shaders/shared/frame.wgsl`, member for member; a test compares the
 //! layouts.
 
+use super::leaf_set::LeafSet;
+use super::mesh::PreparedMesh;
 use super::prepared::PreparedCrown;
-use super::settings::RenderSettings;
+use super::settings::{Mode, RenderSettings};
 use crate::scene::{Backdrop, Camera, CrownInstance, Light};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -16,6 +18,10 @@ pub struct SceneView<'a> {
     pub crowns: &'a [PreparedCrown],
     /// Where they stand.
     pub instances: &'a [CrownInstance],
+    /// Triangles, in the world: stems, surfaces.
+    pub meshes: &'a [PreparedMesh],
+    /// What leaf crowns are drawn with.
+    pub leaves: &'a LeafSet,
     /// From where the picture is taken.
     pub camera: &'a Camera,
     /// What lights it.
@@ -88,8 +94,10 @@ pub struct Frame {
     pub leaf_clip: u32,
     /// Samples along each side of a pixel.
     pub fineness: u32,
+    /// Leaves there are.
+    pub point_count: u32,
     /// To a multiple of 16 bytes.
-    pub padding: [u32; 2],
+    pub padding: u32,
 }
 
 /// What is the same for all instances of a crown.
@@ -106,8 +114,10 @@ pub struct CrownNumbers {
     pub surface_size: u32,
     /// Levels of the colours.
     pub surface_levels: u32,
-    /// To a multiple of 16 bytes.
-    pub padding: [u32; 2],
+    /// Mean radius, metres.
+    pub mean_radius: f32,
+    /// Height of the centre above the tree's base, metres.
+    pub center_height: f32,
 }
 
 /// One crown of the picture.
@@ -176,7 +186,8 @@ impl Frame {
             leaf_size: settings.leaves.size,
             leaf_clip: settings.leaves.clip as u32,
             fineness: fine,
-            padding: [0; 2],
+            point_count: view.leaves.points.len() as u32,
+            padding: 0,
         }
     }
 
@@ -190,6 +201,65 @@ impl Frame {
             + Vec3::from(self.right) * across
             + Vec3::from(self.up) * upward;
         through * (1.0 / through.dot(through).sqrt())
+    }
+}
+
+/// The crowns of a picture by the passes that draw them, each with the index of its crown.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Resolved {
+    /// For the relief pass: whole crowns, and the cores of leaf crowns.
+    pub(crate) relief: Vec<(usize, InstanceNumbers)>,
+    /// For the leaf pass.
+    pub(crate) leaves: Vec<(usize, InstanceNumbers)>,
+    /// Each crown once, for its shadow.
+    pub(crate) shadows: Vec<(usize, InstanceNumbers)>,
+}
+
+/// Size of the dark core within a leaf crown: one does not look through a dense crown, and its few
+/// hundred leaves alone would leave gaps. Above 0.9 the core shows between the outermost leaves.
+const CORE: f32 = 0.78;
+/// Brightness of the core.
+const CORE_LIGHT: f32 = 0.4;
+
+impl Resolved {
+    /// Which crown is drawn how. A crown that changes its form is drawn by both passes, each taking
+    /// its share of the samples.
+    pub(crate) fn new(view: &SceneView<'_>, settings: &RenderSettings) -> Self {
+        let mut resolved = Self::default();
+        let eye = view.camera.eye_m();
+        for (index, instance) in view.instances.iter().enumerate() {
+            let crown = instance.crown;
+            let mut numbers = InstanceNumbers::new(instance, &view.crowns[crown]);
+            numbers.dither = (index as u32).wrapping_mul(0x9e37_79b1);
+            resolved.shadows.push((crown, numbers));
+            numbers.fade = match settings.mode {
+                Mode::Relief => 0.0,
+                Mode::Leaves => 1.0,
+                Mode::Switched => {
+                    let center = glam::Vec3::from(numbers.center).as_dvec3();
+                    settings
+                        .switch
+                        .leaf_share(center.distance(eye), instance.switch_at)
+                }
+                Mode::Mesh => continue,
+            };
+            if numbers.fade < 1.0 {
+                resolved.relief.push((crown, numbers));
+            }
+            if numbers.fade > 0.0 {
+                resolved.leaves.push((crown, numbers));
+                resolved.relief.push((crown, numbers.core()));
+            }
+        }
+        // A crown's own after one another, so that the card changes crowns seldom.
+        for list in [
+            &mut resolved.relief,
+            &mut resolved.leaves,
+            &mut resolved.shadows,
+        ] {
+            list.sort_by_key(|(crown, _)| *crown);
+        }
+        resolved
     }
 }
 
@@ -218,7 +288,8 @@ impl CrownNumbers {
             radius_levels: crown.radius.levels(),
             surface_size: crown.surface.size(),
             surface_levels: crown.surface.levels(),
-            padding: [0; 2],
+            mean_radius: crown.mean_radius,
+            center_height: crown.center.y,
         }
     }
 }
@@ -242,6 +313,16 @@ impl InstanceNumbers {
             dither: 0,
             tint: instance.tint,
             padding: 0.0,
+        }
+    }
+
+    /// The core of a leaf crown.
+    fn core(self) -> Self {
+        Self {
+            scale: self.scale * CORE,
+            tint: self.tint.map(|channel| channel * CORE_LIGHT),
+            fade: 0.0,
+            ..self
         }
     }
 
@@ -285,6 +366,8 @@ mod tests {
         let view = SceneView {
             crowns: &[],
             instances: &[],
+            meshes: &[],
+            leaves: &LeafSet::default(),
             camera: &camera,
             light: &Light::default(),
             backdrop: Backdrop::Clear,

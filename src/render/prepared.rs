@@ -19,6 +19,8 @@ pub struct PreparedCrown {
     pub(crate) center: Vec3,
     /// R_min and R_max of thesis §5.1, metres.
     pub(crate) radius_range: (f32, f32),
+    /// Mean radius, metres.
+    pub(crate) mean_radius: f32,
     /// Of all the above: by it a renderer knows a crown again.
     pub(crate) digest: Digest,
 }
@@ -48,6 +50,7 @@ impl PreparedCrown {
             surface,
             center: crown.center_m.as_vec3(),
             radius_range: (least, most),
+            mean_radius: mean_radius(crown),
             digest,
         })
     }
@@ -69,6 +72,16 @@ fn with_ambient(color: &Cubemap<Straight>, ambient: &Cubemap<f32>) -> Cubemap<Te
         }
     }
     texels
+}
+
+/// The mean of all texels of the radius.
+fn mean_radius(crown: &Crown) -> f32 {
+    let faces = crown.radius_m.faces();
+    let sums = faces
+        .iter()
+        .map(|face| face.pixels().iter().map(|&r| f64::from(r)).sum::<f64>());
+    let count = 6 * faces[0].pixels().len();
+    (sums.sum::<f64>() / count as f64) as f32
 }
 
 fn mean([a, b, c, d]: [f32; 4]) -> f32 {

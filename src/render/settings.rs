@@ -8,8 +8,10 @@ pub enum Mode {
     Relief,
     /// Pictures of twigs that face the eye (thesis §5.2).
     Leaves,
-    /// Triangles of the displaced surface.
+    /// No crowns: only the meshes of the scene, such as a crown's surface.
     Mesh,
+    /// Leaves when near, relief when far, see [`SwitchSettings`].
+    Switched,
 }
 
 /// What the picture shows.
@@ -27,6 +29,40 @@ pub enum View {
     Depth = 3,
     /// How far the point that was found is from the surface, white at a hundredth of R_max.
     RadiusError = 4,
+    /// The scene with the edges of its triangles.
+    Wireframe = 5,
+}
+
+/// Where crowns change between leaves and relief (thesis §6.3.1).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SwitchSettings {
+    /// No crown changes nearer than this, metres.
+    pub nearest_m: f64,
+    /// No crown changes farther than this, metres.
+    pub farthest_m: f64,
+    /// Both forms are mixed over this stretch around the distance where a crown changes, metres.
+    pub band_m: f64,
+}
+
+impl Default for SwitchSettings {
+    /// The range of the thesis; a tree of 10 m is then some hundred pixels high.
+    fn default() -> Self {
+        Self {
+            nearest_m: 100.0,
+            farthest_m: 200.0,
+            band_m: 25.0,
+        }
+    }
+}
+
+impl SwitchSettings {
+    /// The share of leaves, 0 … 1, in a crown at a distance that changes at the share `switch_at`
+    /// of the range.
+    pub fn leaf_share(&self, distance_m: f64, switch_at: f64) -> f32 {
+        let middle = self.nearest_m + (self.farthest_m - self.nearest_m) * switch_at;
+        let before = (middle - distance_m) / self.band_m.max(1e-6) + 0.5;
+        before.clamp(0.0, 1.0) as f32
+    }
 }
 
 /// What makes the inside of a crown darker than its outside.
@@ -133,7 +169,7 @@ pub struct LeafSettings {
 impl Default for LeafSettings {
     fn default() -> Self {
         Self {
-            leaves_a_pixel: 4.0,
+            leaves_a_pixel: 8.0,
             least: 64,
             most: 1280,
             size: 4.0,
@@ -151,6 +187,8 @@ pub struct RenderSettings {
     pub fineness: u32,
     /// The form of the crowns.
     pub mode: Mode,
+    /// Where [`Mode::Switched`] changes the form.
+    pub switch: SwitchSettings,
     /// What the picture shows.
     pub view: View,
     /// What darkens the inside.
@@ -167,10 +205,25 @@ impl Default for RenderSettings {
             size: (800, 800),
             fineness: 2,
             mode: Mode::default(),
+            switch: SwitchSettings::default(),
             view: View::default(),
             occlusion: Occlusion::default(),
             relief: ReliefSettings::default(),
             leaves: LeafSettings::default(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_share_of_leaves_falls_over_the_band() {
+        let switch = SwitchSettings::default();
+        assert_eq!(switch.leaf_share(80.0, 0.0), 1.0);
+        assert_eq!(switch.leaf_share(100.0, 0.0), 0.5);
+        assert_eq!(switch.leaf_share(120.0, 0.0), 0.0);
+        assert_eq!(switch.leaf_share(180.0, 1.0), 1.0);
     }
 }

@@ -10,6 +10,12 @@ use std::path::Path;
 pub enum Pass {
     /// What is behind everything.
     Backdrop,
+    /// Shadows of crowns on the ground.
+    Ground,
+    /// Triangles.
+    Mesh,
+    /// Leaf crowns.
+    Leaves,
     /// Relief crowns.
     Relief,
     /// From light to a picture.
@@ -27,12 +33,29 @@ macro_rules! built_in {
 
 impl Pass {
     /// All passes.
-    pub const ALL: [Self; 3] = [Self::Backdrop, Self::Relief, Self::Tone];
+    pub const ALL: [Self; 6] = [
+        Self::Backdrop,
+        Self::Ground,
+        Self::Mesh,
+        Self::Relief,
+        Self::Leaves,
+        Self::Tone,
+    ];
 
     /// The files that make up the pass, in order, and what stands in them.
     fn parts(self) -> &'static [(&'static str, &'static str)] {
         match self {
             Self::Backdrop => built_in!("shared/frame.wgsl", "backdrop.wgsl"),
+            Self::Ground => {
+                built_in!("shared/frame.wgsl", "shared/crown.wgsl", "ground.wgsl")
+            }
+            Self::Mesh => built_in!("shared/frame.wgsl", "shared/shade.wgsl", "mesh.wgsl"),
+            Self::Leaves => built_in!(
+                "shared/frame.wgsl",
+                "shared/crown.wgsl",
+                "shared/shade.wgsl",
+                "leaves.wgsl"
+            ),
             Self::Relief => built_in!(
                 "shared/frame.wgsl",
                 "shared/crown.wgsl",

@@ -4,16 +4,13 @@
 //! linear steps until a point lies inside the radius of its direction, then halvings. The search
 //! ends where the ray enters the sphere of R_min, since everything in there is inside.
 
+use super::crown::{level_for, radius_in_samples, smooth_level, sunlit_at, surface_between};
+use super::dither::pattern;
 use super::shade::{Place, shaded};
 use super::{Band, Drawn};
-use crate::render::color::linear_table;
-use crate::render::frame::Frame;
-use crate::render::packed_cube::PackedCube;
+use crate::render::frame::{Frame, InstanceNumbers};
 use crate::render::surface::normal;
 use glam::Vec3;
-use std::sync::LazyLock;
-
-static LINEAR: LazyLock<[f32; 256]> = LazyLock::new(linear_table);
 
 /// Distance of the corners of the icosahedron around the unit ball: without shortcuts rays are
 /// marched through the ball around these.
@@ -46,8 +43,12 @@ pub(super) fn draw(frame: &Frame, drawn: &Drawn<'_>, band: &mut Band<'_>) {
         return;
     };
     let march = March::new(frame, drawn);
+    let InstanceNumbers { fade, dither, .. } = drawn.instance;
     for y in rows.0..rows.1 {
         for x in columns.0..columns.1 {
+            if pattern(x, y, dither) < fade {
+                continue;
+            }
             let world = frame.ray(x as f32 + 0.5, y as f32 + 0.5);
             let ray = drawn.instance.local(world);
             let Some(hit) = march.hit(frame, drawn, ray) else {
@@ -103,18 +104,10 @@ impl March {
         let instance = &drawn.instance;
         let offset = Vec3::from(frame.eye) - Vec3::from(instance.center);
         let eye = instance.local(offset) * (1.0 / instance.scale);
-        let most = drawn.numbers.radius_range[1];
-        let distance = (eye.dot(eye).sqrt() - most * 0.5).max(most * 0.05);
-        let radius_samples = most / (distance * frame.sample_size);
+        let radius_samples = radius_in_samples(frame, &drawn.numbers, eye);
         let steps =
             (radius_samples * frame.steps_a_sample).clamp(frame.least_steps, frame.most_steps);
-        // A face spans a quarter turn: π/2 of the radius.
-        let texels_a_sample =
-            |size: u32| size as f32 * std::f32::consts::FRAC_2_PI / radius_samples;
-        let level = |size: u32, levels: u32| {
-            let level = libm::log2f(texels_a_sample(size).max(1.0));
-            level.min((levels - 1) as f32)
-        };
+        let level = |size, levels| level_for(size, levels, radius_samples);
         Self {
             eye,
             steps,
@@ -213,77 +206,21 @@ impl March {
             }
             _ => {}
         }
-        let (albedo, open) = self.surface(drawn, direction);
-        let smooth_level = drawn.numbers.radius_levels.max(2) - 2;
-        let smooth = radius.sampled(direction, smooth_level);
+        let (albedo, open) = surface_between(&drawn.crown.surface, direction, self.surface_level);
+        let smooth = radius.sampled(direction, smooth_level(&drawn.numbers));
         let most = drawn.numbers.radius_range[1];
+        let from = hit.point + normal_local * (0.02 * most);
+        let shadow_level = (self.radius_level + 1).min(drawn.numbers.radius_levels - 1);
         shaded(
             frame,
             &Place {
                 albedo: albedo * Vec3::from(drawn.instance.tint),
                 normal: normal_world,
                 open,
-                sunlit: self.sunlit(frame, drawn, hit.point + normal_local * (0.02 * most)),
+                sunlit: sunlit_at(frame, drawn, from, shadow_level),
                 height: 0.5 + 0.5 * hit.point.y / most,
                 depth: distance / smooth,
             },
         )
     }
-
-    /// Linear colour and openness in a direction, trilinear.
-    #[inline(always)]
-    fn surface(&self, drawn: &Drawn<'_>, direction: Vec3) -> (Vec3, f32) {
-        let surface = &drawn.crown.surface;
-        let level = self.surface_level as u32;
-        let (near_color, near_open) = texel(surface, direction, level);
-        let next = (level + 1).min(surface.levels() - 1);
-        let (far_color, far_open) = texel(surface, direction, next);
-        let share = self.surface_level - level as f32;
-        (
-            near_color + (far_color - near_color) * share,
-            near_open + (far_open - near_open) * share,
-        )
-    }
-
-    /// The share of the sun, 0 … 1, that reaches a point of the crown's frame through the crown.
-    ///
-    /// Points further along the way to the sun may be deeper below the surface before they shade
-    /// all: the sun shines through leaves, and a penumbra widens.
-    #[inline(always)]
-    fn sunlit(&self, frame: &Frame, drawn: &Drawn<'_>, from: Vec3) -> f32 {
-        let toward = drawn.instance.local(Vec3::from(frame.toward_sun));
-        let most = drawn.numbers.radius_range[1];
-        let level = (self.radius_level + 1).min(drawn.numbers.radius_levels - 1);
-        let mut lit = 1.0f32;
-        let mut distance = 0.03 * most;
-        for _ in 0..frame.shadow_steps {
-            let point = from + toward * distance;
-            let out = point.dot(point).sqrt();
-            if out > most {
-                break;
-            }
-            let above = out - drawn.crown.radius.sampled(point, level);
-            lit = lit.min((0.5 + above / (0.3 * distance)).clamp(0.0, 1.0));
-            distance *= 1.45;
-        }
-        lit
-    }
-}
-
-/// Linear colour and openness at a level, bilinear.
-#[inline(always)]
-fn texel(surface: &PackedCube<[u8; 4]>, direction: Vec3, level: u32) -> (Vec3, f32) {
-    let (texels, right, down) = surface.around(direction, level);
-    let table = &*LINEAR;
-    let lights = texels
-        .map(|[r, g, b, _]| Vec3::new(table[r as usize], table[g as usize], table[b as usize]));
-    let opens = texels.map(|texel| f32::from(texel[3]) / 255.0);
-    let upper = lights[0] + (lights[1] - lights[0]) * right;
-    let lower = lights[2] + (lights[3] - lights[2]) * right;
-    let upper_open = opens[0] + (opens[1] - opens[0]) * right;
-    let lower_open = opens[2] + (opens[3] - opens[2]) * right;
-    (
-        upper + (lower - upper) * down,
-        upper_open + (lower_open - upper_open) * down,
-    )
 }

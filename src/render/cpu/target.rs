@@ -94,6 +94,14 @@ impl Band<'_> {
         }
     }
 
+    /// Leaves a share of the light at (x, y).
+    #[inline(always)]
+    pub(super) fn darken(&mut self, x: u32, y: u32, share: f32) {
+        let index = self.index(x, y);
+        let [r, g, b, alpha] = self.light[index];
+        self.light[index] = [r * share, g * share, b * share, alpha];
+    }
+
     /// Puts what is behind everything.
     #[inline(always)]
     pub(super) fn put_behind(&mut self, x: u32, y: u32, light: [f32; 4]) {

@@ -12,6 +12,8 @@ pub(super) struct Layouts {
     pub(super) frame: BindGroupLayout,
     /// A crown: its numbers, radii, colours.
     pub(super) crown: BindGroupLayout,
+    /// Leaves: their places, pictures of twigs.
+    pub(super) leaves: BindGroupLayout,
     /// The samples that the tone pass reads.
     pub(super) samples: BindGroupLayout,
 }
@@ -32,6 +34,13 @@ impl Layouts {
                     numbers(0),
                     texels(1, TextureViewDimension::D2Array),
                     texels(2, TextureViewDimension::D2Array),
+                ],
+            ),
+            leaves: layout(
+                "leaves",
+                &[
+                    texels(0, TextureViewDimension::D2),
+                    texels(1, TextureViewDimension::D2Array),
                 ],
             ),
             samples: layout("samples", &[texels(0, TextureViewDimension::D2)]),

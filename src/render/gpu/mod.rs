@@ -7,20 +7,23 @@
 mod context;
 mod crown;
 mod layouts;
+mod leaves;
 mod pipelines;
 mod target;
 
-use super::frame::{Frame, InstanceNumbers, SceneView};
+use super::frame::{Frame, InstanceNumbers, Resolved, SceneView};
 use super::proxy::Proxy;
 use super::settings::RenderSettings;
 use super::shaders::Pass;
-use super::{PreparedCrown, RenderError};
+use super::{LeafSet, PreparedCrown, RenderError};
 use crate::base::Digest;
 use crate::raster::{Image, Straight};
 use crown::crown_group;
 use layouts::Layouts;
+use leaves::leaf_group;
 use pipelines::Pipelines;
 use std::borrow::Cow;
+use std::ops::Range;
 use target::Target;
 use wgpu::util::{BufferInitDescriptor, DeviceExt as _};
 
@@ -35,6 +38,7 @@ pub struct GpuRenderer {
     proxy: ProxyBuffers,
     /// Crowns on the card, by their content.
     crowns: Vec<(Digest, wgpu::BindGroup)>,
+    leaves: Option<(Digest, wgpu::BindGroup)>,
     target: Option<Target>,
 }
 
@@ -50,7 +54,17 @@ struct ProxyBuffers {
 struct Instances {
     buffer: wgpu::Buffer,
     /// For each crown of the scene: first and one after the last instance.
-    ranges: Vec<std::ops::Range<u32>>,
+    ranges: Vec<Range<u32>>,
+}
+
+/// All that is drawn in a picture.
+struct Lists {
+    shadows: Instances,
+    relief: Instances,
+    leaves: Instances,
+    /// Corners of the leaves of one crown.
+    leaf_corners: u32,
+    meshes: Vec<(wgpu::Buffer, u32)>,
 }
 
 impl GpuRenderer {
@@ -82,6 +96,7 @@ impl GpuRenderer {
             pipelines,
             proxy,
             crowns: Vec::new(),
+            leaves: None,
             target: None,
         })
     }
@@ -114,6 +129,7 @@ impl GpuRenderer {
     fn draw(&mut self, view: &SceneView<'_>, settings: &RenderSettings) -> Result<(), RenderError> {
         let frame = Frame::new(view, settings);
         self.keep_crowns(view.crowns);
+        self.keep_leaves(view.leaves);
         let fits = |target: &Target| target.fits(settings.size, settings.fineness);
         if !self.target.as_ref().is_some_and(fits) {
             self.target = None;
@@ -124,9 +140,9 @@ impl GpuRenderer {
             return Ok(());
         };
         let frame_group = self.frame_group(&frame);
-        let instances = Instances::new(&self.gpu, view);
+        let lists = Lists::new(&self.gpu, view, settings);
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        self.light_pass(&mut encoder, target, &frame_group, &instances);
+        self.light_pass(&mut encoder, target, &frame_group, &lists);
         self.tone_pass(&mut encoder, target, &frame_group);
         self.gpu.queue.submit([encoder.finish()]);
         Ok(())
@@ -147,6 +163,15 @@ impl GpuRenderer {
             kept.push((crown.digest, group));
         }
         self.crowns = kept;
+    }
+
+    /// Brings the leaves to the card if others are there.
+    fn keep_leaves(&mut self, leaves: &LeafSet) {
+        let known = self.leaves.as_ref();
+        if known.is_none_or(|(digest, _)| *digest != leaves.digest) {
+            let group = leaf_group(&self.gpu, &self.layouts, leaves);
+            self.leaves = Some((leaves.digest, group));
+        }
     }
 
     fn frame_group(&self, frame: &Frame) -> wgpu::BindGroup {
@@ -172,7 +197,7 @@ impl GpuRenderer {
         encoder: &mut wgpu::CommandEncoder,
         target: &Target,
         frame: &wgpu::BindGroup,
-        instances: &Instances,
+        lists: &Lists,
     ) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("light"),
@@ -190,14 +215,42 @@ impl GpuRenderer {
         pass.set_bind_group(0, frame, &[]);
         pass.set_pipeline(&self.pipelines.backdrop);
         pass.draw(0..3, 0..1);
+        pass.set_pipeline(&self.pipelines.ground);
+        self.draw_crowns(&mut pass, &lists.shadows, |pass, range| {
+            pass.draw(0..6, range);
+        });
+        pass.set_pipeline(&self.pipelines.mesh);
+        for (vertices, count) in &lists.meshes {
+            pass.set_vertex_buffer(0, vertices.slice(..));
+            pass.draw(0..*count, 0..1);
+        }
         pass.set_pipeline(&self.pipelines.relief);
         pass.set_vertex_buffer(0, self.proxy.corners.slice(..));
-        pass.set_vertex_buffer(1, instances.buffer.slice(..));
         pass.set_index_buffer(self.proxy.triangles.slice(..), wgpu::IndexFormat::Uint16);
+        self.draw_crowns(&mut pass, &lists.relief, |pass, range| {
+            pass.draw_indexed(0..self.proxy.index_count, 0, range);
+        });
+        if let Some((_, leaves)) = &self.leaves {
+            pass.set_pipeline(&self.pipelines.leaves);
+            pass.set_bind_group(2, leaves, &[]);
+            self.draw_crowns(&mut pass, &lists.leaves, |pass, range| {
+                pass.draw(0..lists.leaf_corners, range);
+            });
+        }
+    }
+
+    /// Calls `draw` with the instances of each crown.
+    fn draw_crowns<'pass>(
+        &self,
+        pass: &mut wgpu::RenderPass<'pass>,
+        instances: &Instances,
+        draw: impl Fn(&mut wgpu::RenderPass<'pass>, Range<u32>),
+    ) {
+        pass.set_vertex_buffer(1, instances.buffer.slice(..));
         for ((_, crown), range) in self.crowns.iter().zip(&instances.ranges) {
             if !range.is_empty() {
                 pass.set_bind_group(1, crown, &[]);
-                pass.draw_indexed(0..self.proxy.index_count, 0, range.clone());
+                draw(pass, range.clone());
             }
         }
     }
@@ -261,24 +314,49 @@ impl ProxyBuffers {
 }
 
 impl Instances {
-    fn new(gpu: &Gpu, view: &SceneView<'_>) -> Self {
-        let mut numbers: Vec<InstanceNumbers> = Vec::with_capacity(view.instances.len());
-        let mut ranges = Vec::with_capacity(view.crowns.len());
-        for (index, crown) in view.crowns.iter().enumerate() {
-            let start = numbers.len() as u32;
-            let ours = view.instances.iter().filter(|i| i.crown == index);
-            numbers.extend(ours.map(|instance| InstanceNumbers::new(instance, crown)));
-            ranges.push(start..numbers.len() as u32);
-        }
+    /// `list`, sorted by crown, on the card.
+    fn new(gpu: &Gpu, list: &[(usize, InstanceNumbers)], crown_count: usize) -> Self {
+        let mut numbers: Vec<InstanceNumbers> = list.iter().map(|(_, numbers)| *numbers).collect();
+        let first = |crown: usize| list.partition_point(|(index, _)| *index < crown) as u32;
+        let ranges = (0..crown_count).map(|crown| first(crown)..first(crown + 1));
+        let ranges = ranges.collect();
         // A buffer must not be empty.
         if numbers.is_empty() {
             numbers.push(bytemuck::Zeroable::zeroed());
         }
-        let buffer = gpu.device.create_buffer_init(&BufferInitDescriptor {
-            label: Some("instances"),
-            contents: bytemuck::cast_slice(&numbers),
-            usage: wgpu::BufferUsages::VERTEX,
-        });
-        Self { buffer, ranges }
+        Self {
+            buffer: vertex_buffer(gpu, "instances", bytemuck::cast_slice(&numbers)),
+            ranges,
+        }
     }
+}
+
+impl Lists {
+    fn new(gpu: &Gpu, view: &SceneView<'_>, settings: &RenderSettings) -> Self {
+        let resolved = Resolved::new(view, settings);
+        let count = view.crowns.len();
+        let instances = |list: &[(usize, InstanceNumbers)]| Instances::new(gpu, list, count);
+        let most = (settings.leaves.most as usize).min(view.leaves.points.len());
+        let meshes = view.meshes.iter().filter(|mesh| !mesh.corners.is_empty());
+        Self {
+            shadows: instances(&resolved.shadows),
+            relief: instances(&resolved.relief),
+            leaves: instances(&resolved.leaves),
+            leaf_corners: 6 * most as u32,
+            meshes: meshes
+                .map(|mesh| {
+                    let bytes = bytemuck::cast_slice(&mesh.corners);
+                    (vertex_buffer(gpu, "mesh", bytes), mesh.corners.len() as u32)
+                })
+                .collect(),
+        }
+    }
+}
+
+fn vertex_buffer(gpu: &Gpu, label: &str, contents: &[u8]) -> wgpu::Buffer {
+    gpu.device.create_buffer_init(&BufferInitDescriptor {
+        label: Some(label),
+        contents,
+        usage: wgpu::BufferUsages::VERTEX,
+    })
 }

@@ -14,11 +14,19 @@ const INSTANCE: [wgpu::VertexAttribute; 6] = wgpu::vertex_attr_array![
 /// Where a proxy's corners stand.
 const CORNER: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![0 => Float32x3];
 
+/// Where a mesh's numbers stand.
+const VERTEX: [wgpu::VertexAttribute; 5] = wgpu::vertex_attr_array![
+    0 => Float32x3, 1 => Float32, 2 => Float32x3, 3 => Float32, 4 => Float32x3
+];
+
 /// The pipelines of all passes.
 #[derive(Debug)]
 pub(super) struct Pipelines {
     pub(super) backdrop: RenderPipeline,
+    pub(super) ground: RenderPipeline,
+    pub(super) mesh: RenderPipeline,
     pub(super) relief: RenderPipeline,
+    pub(super) leaves: RenderPipeline,
     pub(super) tone: RenderPipeline,
 }
 
@@ -29,6 +37,7 @@ struct Kind<'a> {
     buffers: &'a [Option<wgpu::VertexBufferLayout<'a>>],
     cull: Option<wgpu::Face>,
     format: TextureFormat,
+    blend: Option<wgpu::BlendState>,
     /// Compare and write, where the pass has a depth.
     depth: Option<(CompareFunction, bool)>,
 }
@@ -57,17 +66,44 @@ impl Pipelines {
             buffers: &[],
             cull: None,
             format: LIGHT_FORMAT,
+            blend: None,
             depth: Some((CompareFunction::Always, false)),
         };
+        let vertices = wgpu::VertexBufferLayout {
+            array_stride: size_of::<crate::render::MeshVertex>() as u64,
+            step_mode: wgpu::VertexStepMode::Vertex,
+            attributes: &VERTEX,
+        };
+        let nearest = Some((CompareFunction::Greater, true));
         Self {
             backdrop: made(&behind),
+            ground: made(&Kind {
+                pass: Pass::Ground,
+                layouts: &[&layouts.frame, &layouts.crown],
+                buffers: &[None, Some(instances.clone())],
+                blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
+                ..behind
+            }),
+            mesh: made(&Kind {
+                pass: Pass::Mesh,
+                buffers: &[Some(vertices)],
+                depth: nearest,
+                ..behind
+            }),
+            leaves: made(&Kind {
+                pass: Pass::Leaves,
+                layouts: &[&layouts.frame, &layouts.crown, &layouts.leaves],
+                buffers: &[None, Some(instances.clone())],
+                depth: nearest,
+                ..behind
+            }),
             relief: made(&Kind {
                 pass: Pass::Relief,
                 layouts: &[&layouts.frame, &layouts.crown],
-                buffers: &[Some(corners), Some(instances)],
+                buffers: &[Some(corners), Some(instances.clone())],
                 // The far side is drawn: an eye within the proxy sees that one only.
                 cull: Some(wgpu::Face::Front),
-                depth: Some((CompareFunction::Greater, true)),
+                depth: nearest,
                 ..behind
             }),
             tone: made(&Kind {
@@ -119,7 +155,11 @@ fn pipeline(device: &Device, kind: &Kind<'_>, text: Cow<'static, str>) -> Render
             module: &module,
             entry_point: Some("sample"),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: &[Some(kind.format.into())],
+            targets: &[Some(wgpu::ColorTargetState {
+                format: kind.format,
+                blend: kind.blend,
+                write_mask: wgpu::ColorWrites::ALL,
+            })],
         }),
         multiview_mask: None,
         cache: None,

@@ -94,8 +94,8 @@ fn edges_and_corners_differ_no_more_than_lines_inside_faces() {
 #[test]
 fn the_photograph_stays_on_the_front_and_only_there() {
     let Some(data) = data() else { return };
-    let (photo, mask) = photo_and_mask(&data, CROWNS[0]);
-    let foliage = made(&photo, &mask, 64);
+    let (photo, mask) = photo_and_mask(&data, "beech_round_dense_01");
+    let foliage = made(&photo, &mask, 128);
     let center = crown_center(&mask).unwrap();
     let radius = ellipsoid(extent_of(&mask, center).unwrap());
     let surface = CrownSurface {
@@ -108,7 +108,7 @@ fn the_photograph_stays_on_the_front_and_only_there() {
         let pairs = pairs.zip(foliage.color.face(face).pixels());
         pairs.filter(|(a, b)| a != b).count()
     };
-    let share = changed(CubeFace::PosZ) as f64 / (64.0 * 64.0);
+    let share = changed(CubeFace::PosZ) as f64 / (128.0 * 128.0);
     eprintln!("{share:.2} of the front is the photograph's");
     assert!(share > 0.6);
     assert_eq!(changed(CubeFace::NegZ), 0);

@@ -37,7 +37,7 @@ pub(super) struct Flags {
     /// Keep the photograph on the front and let the rest grow out of it
     #[arg(long)]
     photo_front: bool,
-    /// How far the relief moves the surface, as a share of the radius [default: 0.35]
+    /// How far the relief moves the surface, as a share of the radius [default: 0.25]
     #[arg(long, value_name = "RHO")]
     relief: Option<f64>,
     /// Texels along a face of the cubemaps [default: 256]

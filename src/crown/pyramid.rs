@@ -55,10 +55,10 @@ impl Default for ReliefSettings {
             levels: 5,
             coarsest: 0.06,
             growth: 2.0,
-            falloff: 0.4,
+            falloff: 0.6,
             pyramid: Pyramid::Gaussian,
             even_light: 0.8,
-            steepest: 0.8,
+            steepest: 1.6,
         }
     }
 }

@@ -66,7 +66,7 @@ impl Default for CrownSettings {
             envelope: Envelope::default(),
             k: None,
             copies: 1,
-            rho: 0.35,
+            rho: 0.25,
             relief: ReliefSettings::default(),
             photo_front: false,
             foliage: CubemapSettings::default(),

@@ -3,7 +3,7 @@
 use super::failure::Failure;
 use crate::base::{Digest, FileError, Hasher, read_limited};
 use crate::export::{CrownFolderError, crown_from_files};
-use crate::raster::{Image, ReadLimits, Straight, read_image_from_memory};
+use crate::raster::{Image, Mask, ReadLimits, Straight, read_image_from_memory};
 use crate::scene::Crown;
 use std::path::{Path, PathBuf};
 
@@ -25,6 +25,11 @@ impl PictureFile {
         })
     }
 
+    /// The file.
+    pub(super) fn path(&self) -> &Path {
+        &self.path
+    }
+
     /// The digest of the content; the name has no part in it.
     pub(super) fn digest(&self) -> Digest {
         Digest::of(&self.bytes)
@@ -41,6 +46,16 @@ impl PictureFile {
             ReadLimits::default(),
         )?)
     }
+}
+
+/// The mask that `picture` shows: where it is opaque, if any of it is clear, else where its red is
+/// 128 or more.
+pub(super) fn mask_from(picture: &Image<Straight>) -> Mask {
+    let has_alpha = picture.pixels().iter().any(|pixel| pixel.alpha() < 255);
+    picture.map(|pixel| {
+        let value = if has_alpha { pixel.alpha() } else { pixel.0[0] };
+        value >= 128
+    })
 }
 
 /// Largest file of a crown's folder that is read.

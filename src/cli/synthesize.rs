@@ -70,6 +70,9 @@ pub(super) struct FoliageFlags {
     /// Take colours of the sky for foliage as well
     #[arg(long)]
     keep_sky: bool,
+    /// Take what occurs only once (a flower, a sign) for foliage as well
+    #[arg(long)]
+    keep_unique: bool,
 }
 
 /// A number from 0 to 1.
@@ -85,6 +88,7 @@ impl FoliageFlags {
         ExemplarSettings {
             erosion: self.erode,
             without_sky: !self.keep_sky,
+            without_unique: !self.keep_unique,
             flatten: self.flatten,
             levels: self.levels,
         }

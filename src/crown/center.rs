@@ -5,6 +5,7 @@
 //! though, where the crown has no thickness and radii would be 0; then the centre moves to where the
 //! crown is thick.
 
+use super::chamfer::{PIXEL, chamfer};
 use crate::geometry::Point;
 use crate::raster::{Mask, opaque_bounds};
 
@@ -36,8 +37,8 @@ pub fn crown_center(mask: &Mask) -> Option<Point> {
     let place = |(x, y): (u32, u32)| Point::new(f64::from(x), f64::from(y));
     let sum = inside().map(place).fold(Point::ZERO, |sum, p| sum + p);
     let centroid = sum / mask.count() as f64;
-    let depth = depths(mask);
-    let deep = |(x, y): (u32, u32)| f64::from(depth[(y * mask.width() + x) as usize]) / 3.0;
+    let depth = chamfer(&mask.map(|inside| !inside), true);
+    let deep = |(x, y): (u32, u32)| f64::from(depth.at(x, y)) / f64::from(PIXEL);
     let deepest = inside().map(deep).fold(0.0, f64::max);
     let nearest = (centroid.x.round() as u32, centroid.y.round() as u32);
     if mask.at(nearest.0, nearest.1) && deep(nearest) >= THICK_ENOUGH * deepest {
@@ -48,32 +49,6 @@ pub fn crown_center(mask: &Mask) -> Option<Point> {
         .map(|pixel| (worth(pixel), pixel))
         .reduce(|best, next| if next.0 > best.0 { next } else { best })
         .map(|(_, pixel)| place(pixel))
-}
-
-/// Thirds of pixels from each pixel to the nearest one that does not belong, by the 3-4 chamfer
-/// (Borgefors 1986), within 8 % of Euclid's; beyond the frame nothing belongs.
-fn depths(mask: &Mask) -> Vec<u32> {
-    let (width, height) = (mask.width() as usize, mask.height() as usize);
-    // A frame of one pixel around, so that no neighbour is outside.
-    let stride = width + 2;
-    let mut depth = vec![0u32; stride * (height + 2)];
-    for y in 0..height {
-        for (x, &inside) in mask.row(y as u32).iter().enumerate() {
-            depth[(y + 1) * stride + x + 1] = if inside { u32::MAX / 2 } else { 0 };
-        }
-    }
-    let before = [(1, 3), (stride, 3), (stride - 1, 4), (stride + 1, 4)];
-    let inner = stride + 1..depth.len() - stride - 1;
-    for at in inner.clone() {
-        let least = before.map(|(step, cost)| depth[at - step] + cost);
-        depth[at] = least.into_iter().fold(depth[at], u32::min);
-    }
-    for at in inner.rev() {
-        let least = before.map(|(step, cost)| depth[at + step] + cost);
-        depth[at] = least.into_iter().fold(depth[at], u32::min);
-    }
-    let rows = depth.chunks(stride).skip(1).take(height);
-    rows.flat_map(|row| &row[1..=width]).copied().collect()
 }
 
 #[cfg(test)]

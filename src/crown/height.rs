@@ -6,7 +6,7 @@
 use super::luminance::{Stretch, luminance};
 use super::pyramid::{ReliefSettings, summed};
 use crate::base::{Cancel, Cancelled};
-use crate::raster::{Cubemap, Straight, smoothed_cubemap};
+use crate::raster::{CubeFace, Cubemap, Straight, cube_upper_envelope, smoothed_cubemap};
 
 /// Share of the texels at either end that may be flattened to 0 or 1.
 const TAIL: f64 = 0.01;
@@ -49,7 +49,7 @@ pub fn height_cubemap(
 }
 
 fn add(sum: &mut Cubemap<f32>, map: &Cubemap<f32>, weight: f32) {
-    for (face, image) in crate::raster::CubeFace::ALL.into_iter().zip(map.faces()) {
+    for (face, image) in CubeFace::ALL.into_iter().zip(map.faces()) {
         let texels = sum.face_mut(face).pixels_mut().iter_mut();
         for (sum, texel) in texels.zip(image.pixels()) {
             *sum += weight * texel;
@@ -60,28 +60,34 @@ fn add(sum: &mut Cubemap<f32>, map: &Cubemap<f32>, weight: f32) {
 /// The radius with the relief in it: base · (1 + ρ (h − 0.5)), thesis §4.6, at the size of `base`.
 /// Positive for ρ below 2.
 ///
-/// `height` is sampled where it has another size.
-pub fn radius_with_relief(base: &Cubemap<f32>, height: &Cubemap<f32>, rho: f64) -> Cubemap<f32> {
-    let raised = |base: f32, height: f32| base * (1.0 + rho as f32 * (height - 0.5));
-    if base.size() == height.size() {
-        let mut radius = base.clone();
-        for (face, heights) in crate::raster::CubeFace::ALL.into_iter().zip(height.faces()) {
-            let texels = radius.face_mut(face).pixels_mut().iter_mut();
-            for (radius, &height) in texels.zip(heights.pixels()) {
-                *radius = raised(*radius, height);
-            }
+/// Departure from the thesis: gaps are filled until no wall is steeper than `steepest` (see
+/// [`ReliefSettings::steepest`]); what stands out keeps its height. `height` is sampled where it has
+/// another size.
+pub fn radius_with_relief(
+    base: &Cubemap<f32>,
+    height: &Cubemap<f32>,
+    rho: f64,
+    steepest: f64,
+) -> Cubemap<f32> {
+    let factor = |height: f32| 1.0 + rho as f32 * (height - 0.5);
+    let factors = if base.size() == height.size() {
+        height.map(|&height| factor(height))
+    } else {
+        Cubemap::from_directions(base.size(), |direction| factor(height.sampled(direction)))
+    };
+    let mut radius = cube_upper_envelope(&factors, steepest as f32);
+    for (face, base) in CubeFace::ALL.into_iter().zip(base.faces()) {
+        let texels = radius.face_mut(face).pixels_mut().iter_mut();
+        for (factor, base) in texels.zip(base.pixels()) {
+            *factor *= base;
         }
-        return radius;
     }
-    Cubemap::from_directions(base.size(), |direction| {
-        raised(base.nearest(direction), height.sampled(direction))
-    })
+    radius
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::raster::CubeFace;
     use glam::DVec3;
 
     fn grey(value: f64) -> Straight {
@@ -161,8 +167,11 @@ mod tests {
     fn the_relief_moves_the_surface_by_half_of_rho_at_most() {
         let base = Cubemap::filled(4, 2.0);
         let height = Cubemap::from_directions(8, |d| if d.y > 0.0 { 1.0 } else { 0.0 });
-        let radius = radius_with_relief(&base, &height, 0.5);
+        let radius = radius_with_relief(&base, &height, 0.5, 20.0);
         assert_eq!(radius.nearest(DVec3::Y), 2.5);
         assert_eq!(radius.nearest(DVec3::NEG_Y), 1.5);
+        let gentle = radius_with_relief(&base, &height, 0.5, 0.1);
+        assert_eq!(gentle.nearest(DVec3::Y), 2.5);
+        assert!(gentle.nearest(DVec3::NEG_Y) > 2.1);
     }
 }

@@ -13,10 +13,15 @@
 //! factor.
 
 use super::domain::Domain;
+use super::restart::Restart;
 use crate::base::{Cancel, Cancelled, Progress};
-use crate::solve::{Factor, GridSystem, Stencil};
+use crate::raster::Mask;
+use crate::solve::{GridSystem, Method, Solver, Stencil};
 use glam::DVec3;
 use std::sync::Arc;
+
+/// Unknowns from which on a search from the last solution beats a new factorisation.
+const WORTH_A_SEARCH: usize = 60_000;
 
 /// Why a mask cannot be inflated.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -58,14 +63,13 @@ pub struct Sheet {
 /// A mask ready to be inflated with any k.
 pub struct Inflation {
     domain: Arc<Domain>,
-    system: GridSystem,
-    factor: Factor,
+    solver: Solver,
     /// x, y displacement and height for k = 1 of each unknown.
     base: [Vec<f64>; 3],
 }
 
 impl Inflation {
-    /// Factorises the system of `domain` and solves what does not depend on k. Stages: `factor`,
+    /// Prepares the system of `domain` and solves what does not depend on k. Stages: `factor`,
     /// `solve`.
     ///
     /// # Errors
@@ -75,21 +79,78 @@ impl Inflation {
         progress: Progress<'_>,
         cancel: &Cancel,
     ) -> Result<Self, InflationError> {
-        let domain = domain.into();
+        Self::with_method(domain, Method::Automatic, progress, cancel)
+    }
+
+    /// The same with a solver of the caller's choice.
+    ///
+    /// # Errors
+    /// When the work is cancelled.
+    pub fn with_method(
+        domain: impl Into<Arc<Domain>>,
+        method: Method,
+        progress: Progress<'_>,
+        cancel: &Cancel,
+    ) -> Result<Self, InflationError> {
+        Self::started(domain.into(), method, None, progress, cancel)
+    }
+
+    /// The same for `mask`, this mask after a stroke of the brush: sought from this solution by
+    /// conjugate gradients, without factorising anew. It is the surface that [`Self::new`] gives, to
+    /// a ten-millionth of its size.
+    ///
+    /// A `mask` of another size, or a small one whose factorisation is quicker than any search, is
+    /// treated as a new one.
+    ///
+    /// # Errors
+    /// When the mask is empty or the work is cancelled.
+    pub fn updated(
+        &self,
+        mask: &Mask,
+        progress: Progress<'_>,
+        cancel: &Cancel,
+    ) -> Result<Self, InflationError> {
+        let domain = Arc::new(Domain::new(mask)?);
+        let same_frame = (mask.width(), mask.height()) == self.solver.system().size();
+        if !same_frame || domain.unknowns() < WORTH_A_SEARCH {
+            return Self::started(domain, Method::Automatic, None, progress, cancel);
+        }
+        Self::started(domain, Method::Multigrid, Some(self), progress, cancel)
+    }
+
+    fn started(
+        domain: Arc<Domain>,
+        method: Method,
+        last: Option<&Self>,
+        progress: Progress<'_>,
+        cancel: &Cancel,
+    ) -> Result<Self, InflationError> {
         let system = GridSystem::new(domain.interior(), Stencil::Bilaplacian);
         let stage = progress.stage("factor", 1);
-        let factor = Factor::new(&system, cancel)?;
+        let solver = Solver::new(system, method, cancel)?;
         stage.advance();
         drop(stage);
-        let stage = progress.stage("solve", 1);
-        let sides = right_hand_sides(&domain, &system);
-        let base = sides.map(|right| factor.solution(&right));
-        cancel.check()?;
-        stage.advance();
+        let stage = progress.stage("solve", 3);
+        let restart = match last {
+            Some(last) => {
+                let restart = Restart::new(solver.system(), last.solver.system(), cancel)?;
+                Some((restart, &last.base))
+            }
+            None => None,
+        };
+        let mut base = [(); 3].map(|()| Vec::new());
+        let sides = right_hand_sides(&domain, solver.system());
+        for (axis, right) in sides.iter().enumerate() {
+            let start = restart
+                .as_ref()
+                .map(|(restart, last)| restart.guess(right, &last[axis]));
+            base[axis] = solver.solution(right, start.as_deref(), cancel)?;
+            stage.advance();
+        }
+        drop(restart);
         Ok(Self {
             domain,
-            system,
-            factor,
+            solver,
             base,
         })
     }
@@ -120,16 +181,20 @@ impl Inflation {
         let heights: Vec<f64> = if k_of_ring.iter().all(|&k| k == first) {
             self.base[2].iter().map(|height| height * first).collect()
         } else {
-            self.factor.solution(&self.right_hand_side_of(k_of_ring))
+            let mean = k_of_ring.iter().sum::<f64>() / k_of_ring.len() as f64;
+            let start: Vec<f64> = self.base[2].iter().map(|height| height * mean).collect();
+            let right = self.right_hand_side_of(k_of_ring);
+            self.solver.solution(&right, Some(&start), cancel)?
         };
         cancel.check()?;
         Ok(self.sheet_of(&heights))
     }
 
     fn right_hand_side_of(&self, k_of_ring: &[f64]) -> Vec<f64> {
-        let mut right = vec![0.0; self.system.len()];
+        let mut right = vec![0.0; self.solver.system().len()];
         for (pixel, k) in self.domain.ring().iter().zip(k_of_ring) {
-            self.system
+            self.solver
+                .system()
                 .spread(pixel.x.into(), pixel.y.into(), -k, &mut right);
         }
         right

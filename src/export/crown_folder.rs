@@ -4,12 +4,15 @@
 //! - `color_px.png` … `color_nz.png`: the colour cubemap, 8-bit sRGB;
 //! - `height_px.png` …: the height cubemap, 16-bit grey, 0 … 1;
 //! - `radius_px.png` …: the radius cubemap, 16-bit grey, metres = R_max · value / 65535;
-//! - `base_mesh.ply`: the base mesh before relief, metres.
+//! - `base_mesh.ply`: the base mesh before relief, metres;
+//! - `crown.glb`: the crown as a textured mesh, for other programs; it is not read back.
 //!
 //! Faces are in the order +X −X +Y −Y +Z −Z and oriented as in Vulkan, KTX and glTF, in a
 //! right-handed world with +Y up, the tree's base at the origin. What goes through the files loses
 //! at most R_max / 131,070 of a radius (0.1 mm of 10 m) and a 131,070th of a height.
 
+use super::crown_mesh::crown_glb;
+use super::glb::GlbError;
 use super::ply::{PlyError, decode_ply, encode_ply};
 use crate::raster::{
     Compression, CubeFace, Cubemap, Grey16Error, Image, ImageError, ReadLimits, Straight,
@@ -26,6 +29,9 @@ pub const CROWN_RECORD: &str = "crown.json";
 
 /// The name of the base mesh.
 const BASE_MESH: &str = "base_mesh.ply";
+
+/// The name of the textured mesh.
+const TEXTURED: &str = "crown.glb";
 
 const FORMAT: &str = "boscage-crown";
 
@@ -84,6 +90,29 @@ impl CrownRecord {
             recipe,
         }
     }
+
+    /// Reads a record.
+    ///
+    /// # Errors
+    /// [`CrownFolderError::Record`] when `bytes` is none, or of another version.
+    pub fn read(bytes: &[u8]) -> Result<Self, CrownFolderError> {
+        let failed = |reason: String| CrownFolderError::Record(reason);
+        let record: Self =
+            serde_json::from_slice(bytes).map_err(|error| failed(error.to_string()))?;
+        if record.format != FORMAT || record.version != VERSION {
+            let found = format!("{} version {}", record.format, record.version);
+            return Err(failed(format!("{found} is not known to this version")));
+        }
+        let center_is_finite = record.center_m.iter().all(|along| along.is_finite());
+        let radius_is_real = record.radius_max_m.is_finite() && record.radius_max_m > 0.0;
+        let size_is_real = (1..=LARGEST_FACE).contains(&record.size);
+        if !(center_is_finite && radius_is_real && size_is_real) {
+            return Err(failed(
+                "its centre, radius or size is out of range".to_owned(),
+            ));
+        }
+        Ok(record)
+    }
 }
 
 /// A crown could not be read.
@@ -125,13 +154,19 @@ pub fn crown_file_names() -> Vec<String> {
     let faces = ["color", "height", "radius"]
         .into_iter()
         .flat_map(|kind| CubeFace::ALL.map(|face| face_name(kind, face)));
-    let others = [BASE_MESH, CROWN_RECORD].map(str::to_owned);
+    let others = [BASE_MESH, TEXTURED, CROWN_RECORD].map(str::to_owned);
     faces.chain(others).collect()
 }
 
 /// `crown` as files, names and contents, in the order of [`crown_file_names`]: the record comes
 /// last, so that a folder that has it has all.
-pub fn crown_files(crown: &Crown, recipe: serde_json::Value) -> Vec<(String, Vec<u8>)> {
+///
+/// # Errors
+/// [`GlbError`], for radii that are not finite.
+pub fn crown_files(
+    crown: &Crown,
+    recipe: serde_json::Value,
+) -> Result<Vec<(String, Vec<u8>)>, GlbError> {
     let record = CrownRecord::new(crown, recipe);
     let longest = f64::from(record.radius_max_m);
     // A radius of 0 would be no radius.
@@ -153,10 +188,11 @@ pub fn crown_files(crown: &Crown, recipe: serde_json::Value) -> Vec<(String, Vec
         .collect();
     let mut contents: Vec<Vec<u8>> = jobs.par_iter().map(encoded).collect();
     contents.push(encode_ply(&crown.base_mesh));
+    contents.push(crown_glb(crown)?);
     let record = serde_json::to_string_pretty(&record)
         .unwrap_or_else(|_| unreachable!("records hold numbers and text only"));
     contents.push((record + "\n").into_bytes());
-    crown_file_names().into_iter().zip(contents).collect()
+    Ok(crown_file_names().into_iter().zip(contents).collect())
 }
 
 /// The crown whose files `read` gives by name, and its record.
@@ -166,7 +202,7 @@ pub fn crown_files(crown: &Crown, recipe: serde_json::Value) -> Vec<(String, Vec
 pub fn crown_from_files<E: From<CrownFolderError>>(
     mut read: impl FnMut(&str) -> Result<Vec<u8>, E>,
 ) -> Result<(Crown, CrownRecord), E> {
-    let record = record_from(&read(CROWN_RECORD)?)?;
+    let record = CrownRecord::read(&read(CROWN_RECORD)?)?;
     let size = record.size;
     let color = cubemap_from("color", Some(size), &mut read, color_face)?;
     let height = cubemap_from("height", Some(size), &mut read, grey_face)?;
@@ -185,25 +221,6 @@ pub fn crown_from_files<E: From<CrownFolderError>>(
 
 fn face_name(kind: &str, face: CubeFace) -> String {
     format!("{kind}_{}.png", face.name())
-}
-
-fn record_from(bytes: &[u8]) -> Result<CrownRecord, CrownFolderError> {
-    let failed = |reason: String| CrownFolderError::Record(reason);
-    let record: CrownRecord =
-        serde_json::from_slice(bytes).map_err(|error| failed(error.to_string()))?;
-    if record.format != FORMAT || record.version != VERSION {
-        let found = format!("{} version {}", record.format, record.version);
-        return Err(failed(format!("{found} is not known to this version")));
-    }
-    let center_is_finite = record.center_m.iter().all(|along| along.is_finite());
-    let radius_is_real = record.radius_max_m.is_finite() && record.radius_max_m > 0.0;
-    let size_is_real = (1..=LARGEST_FACE).contains(&record.size);
-    if !(center_is_finite && radius_is_real && size_is_real) {
-        return Err(failed(
-            "its centre, radius or size is out of range".to_owned(),
-        ));
-    }
-    Ok(record)
 }
 
 /// The cubemap `kind`; its faces must have the side `size`, or any one when `None`.
@@ -287,7 +304,10 @@ mod tests {
     fn a_crown_comes_back_from_its_files() {
         let crown = crown();
         let recipe = serde_json::json!({"seed": 7});
-        let files: BTreeMap<_, _> = crown_files(&crown, recipe.clone()).into_iter().collect();
+        let files: BTreeMap<_, _> = crown_files(&crown, recipe.clone())
+            .unwrap()
+            .into_iter()
+            .collect();
         let (found, record) = back(&files).unwrap();
         assert_eq!(record.recipe, recipe);
         assert_eq!(
@@ -306,12 +326,12 @@ mod tests {
         for (found, expected) in radii(&found).iter().zip(radii(&crown)) {
             assert!((found - expected).abs() < 1e-4, "{found} {expected}");
         }
-        let again = crown_files(&found, recipe);
+        let again = crown_files(&found, recipe).unwrap();
         let names: Vec<&String> = again.iter().map(|(name, _)| name).collect();
         assert_eq!(names.last().unwrap().as_str(), CROWN_RECORD);
         for (name, content) in &again {
             assert!(
-                name == CROWN_RECORD || files[name] == *content,
+                name == CROWN_RECORD || name == TEXTURED || files[name] == *content,
                 "{name} changed"
             );
         }
@@ -320,9 +340,11 @@ mod tests {
     #[test]
     fn missing_foreign_and_ill_sized_files_are_named() {
         let whole: BTreeMap<_, _> = crown_files(&crown(), serde_json::Value::Null)
+            .unwrap()
             .into_iter()
             .collect();
-        for name in crown_file_names() {
+        let read = |name: &String| name != TEXTURED;
+        for name in crown_file_names().into_iter().filter(read) {
             let mut files = whole.clone();
             files.remove(&name);
             assert!(back(&files).is_err(), "{name}");

@@ -8,6 +8,7 @@
 //! Imports `base`.
 
 mod blur;
+mod cube_envelope;
 mod cube_grid;
 mod cubemap;
 mod dds;
@@ -23,6 +24,7 @@ mod resample;
 mod write;
 
 pub use blur::smoothed_within;
+pub use cube_envelope::cube_upper_envelope;
 pub use cube_grid::{folded, smoothed_cubemap};
 pub use cubemap::{CubeFace, Cubemap};
 pub use grey16::{Grey16Error, decode_grey16_png, encode_grey16_png};

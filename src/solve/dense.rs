@@ -224,15 +224,32 @@ fn pack<const N: usize>(
 /// The product of two packed groups.
 #[inline(always)]
 fn tile(a: &[f64], b: &[f64]) -> [[f64; ROWS]; COLUMNS] {
-    let mut sums = [[0.0; ROWS]; COLUMNS];
-    for (a, b) in a.chunks_exact(ROWS).zip(b.chunks_exact(COLUMNS)) {
-        for (sums, &b) in sums.iter_mut().zip(b) {
-            for (sum, &a) in sums.iter_mut().zip(a) {
-                *sum += a * b;
-            }
-        }
+    // Names, not an array of arrays: only so do the sums stay in registers.
+    let zero = [0.0; ROWS / 2];
+    let [mut s0, mut s1, mut s2, mut s3] = [zero; COLUMNS];
+    let [mut t0, mut t1, mut t2, mut t3] = [zero; COLUMNS];
+    let (a, _) = a.as_chunks::<{ ROWS / 2 }>();
+    let (b, _) = b.as_chunks::<COLUMNS>();
+    for (a, b) in a.as_chunks::<2>().0.iter().zip(b) {
+        s0 = plus(s0, &a[0], b[0]);
+        t0 = plus(t0, &a[1], b[0]);
+        s1 = plus(s1, &a[0], b[1]);
+        t1 = plus(t1, &a[1], b[1]);
+        s2 = plus(s2, &a[0], b[2]);
+        t2 = plus(t2, &a[1], b[2]);
+        s3 = plus(s3, &a[0], b[3]);
+        t3 = plus(t3, &a[1], b[3]);
     }
-    sums
+    let whole = |s: [f64; ROWS / 2], t: [f64; ROWS / 2]| {
+        std::array::from_fn(|i| if i < ROWS / 2 { s[i] } else { t[i - ROWS / 2] })
+    };
+    [whole(s0, t0), whole(s1, t1), whole(s2, t2), whole(s3, t3)]
+}
+
+/// `sums` + `a` · `b`.
+#[inline(always)]
+fn plus(sums: [f64; ROWS / 2], a: &[f64; ROWS / 2], b: f64) -> [f64; ROWS / 2] {
+    std::array::from_fn(|i| sums[i] + a[i] * b)
 }
 
 /// Solves L y = v for the first `own` values of `values` and takes what they contribute from the

@@ -7,7 +7,7 @@
 //! Source: J. Liu, *The multifrontal method for sparse matrix solution*, 1992.
 //!
 //! Cost for n unknowns of the bilaplacian: about n^1.5 operations and n log n memory; a disc across
-//! 1024 pixels needs most of a gigabyte, which is where [`super::Multigrid`] takes over.
+//! 1024 pixels needs about a gigabyte, which is where [`super::Multigrid`] takes over.
 
 use super::dense::{self, Packed};
 use super::dissection::{Dissection, Front};

@@ -15,13 +15,19 @@
 mod dense;
 mod dissection;
 mod factor;
+mod galerkin;
 mod grid;
+mod level;
 mod min_cut;
+mod multigrid;
 mod network;
 mod poisson;
+mod solver;
 
 pub use factor::Factor;
 pub use grid::{GridSystem, Stencil};
 pub use min_cut::Cut;
+pub use multigrid::{Iterated, Multigrid};
 pub use network::{Edge, HARD, Network};
 pub use poisson::poisson;
+pub use solver::{Method, Solver};

@@ -1,7 +1,7 @@
 //! Poisson's equation on the pixels of a mask, zero around them.
 
-use super::factor::Factor;
 use super::grid::{GridSystem, Stencil};
+use super::solver::{Method, Solver};
 use crate::base::{Cancel, Cancelled};
 use crate::raster::{Image, Mask};
 
@@ -34,14 +34,12 @@ pub fn poisson(
     let (width, height) = (unknown.width(), unknown.height());
     assert_eq!((right.width(), right.height()), (width, height), "one size");
     let system = GridSystem::new(unknown, Stencil::Laplacian);
-    let values: Vec<f64> = system
-        .pixels()
-        .iter()
-        .map(|&(x, y)| right.at(x, y))
-        .collect();
-    let solution = Factor::new(&system, cancel)?.solution(&values);
+    let solver = Solver::new(system, Method::Automatic, cancel)?;
+    let pixels = solver.system().pixels();
+    let values: Vec<f64> = pixels.iter().map(|&(x, y)| right.at(x, y)).collect();
+    let solution = solver.solution(&values, None, cancel)?;
     let mut image = Image::filled(width, height, 0.0);
-    for (&(x, y), &value) in system.pixels().iter().zip(&solution) {
+    for (&(x, y), &value) in pixels.iter().zip(&solution) {
         image.set(x, y, value);
     }
     Ok(image)

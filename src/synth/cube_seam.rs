@@ -11,7 +11,9 @@ use glam::DVec3;
 
 /// Two cubemaps' best seam: `true` where the texel comes from the second, and what it costs.
 ///
-/// `side` says which texels are settled; only open ones and those next to them enter the cut.
+/// `side` says which texels are settled; only open ones and those next to them enter the cut. An open
+/// texel that comes from the second costs what `preference` says there, so that the first is not given
+/// up merely because a short seam is cheap.
 ///
 /// # Errors
 /// [`Cancelled`] when the work was asked to stop.
@@ -22,6 +24,7 @@ pub fn cube_seam(
     first: &Cubemap<Straight>,
     second: &Cubemap<Straight>,
     side: &Cubemap<Side>,
+    preference: &Cubemap<u8>,
     cost: StepCost,
     cancel: &Cancel,
 ) -> Result<(Cubemap<bool>, i64), Cancelled> {
@@ -35,13 +38,13 @@ pub fn cube_seam(
     let mut count = 0u32;
     let mut edges = Vec::new();
     let mut held = Vec::new();
-    let mut node_of = |place: Texel, held: &mut Vec<Side>| {
+    let mut node_of = |place: Texel, held: &mut Vec<(Side, u8)>| {
         let found = place.of(&nodes);
         if found != NO_NODE {
             return found;
         }
         nodes.face_mut(place.face).set(place.x, place.y, count);
-        held.push(place.of(side));
+        held.push((place.of(side), place.of(preference)));
         count += 1;
         count - 1
     };
@@ -61,9 +64,9 @@ pub fn cube_seam(
         });
     }
     let mut network = Network::new(held.len(), &edges);
-    for (node, side) in held.iter().enumerate() {
+    for (node, (side, preference)) in held.iter().enumerate() {
         match side {
-            Side::Either => {}
+            Side::Either => network.join_source(node, i32::from(*preference)),
             Side::First => network.join_source(node, HARD),
             Side::Second => network.join_sink(node, HARD),
         }
@@ -223,7 +226,14 @@ mod tests {
             x if x < 0.6 => Side::Second,
             _ => Side::Either,
         });
-        let found = cube_seam(&first, &second, &side, StepCost::Difference, &Cancel::new());
+        let found = cube_seam(
+            &first,
+            &second,
+            &side,
+            &Cubemap::filled(16, 0),
+            StepCost::Difference,
+            &Cancel::new(),
+        );
         let (from_second, cost) = found.unwrap();
         assert_eq!(cost, 0);
         assert!(from_second.nearest(-corner) && !from_second.nearest(corner));

@@ -5,6 +5,7 @@ use super::flatten::flatten;
 use super::foliage::foliage;
 use super::level::{Level, blurred};
 use super::similar::{SIMILAR, similar};
+use super::unique::unique;
 use crate::base::{Cancel, Seed};
 use crate::raster::{Image, Mask, Rect, Straight, opaque_bounds};
 
@@ -17,6 +18,8 @@ pub struct ExemplarSettings {
     pub without_sky: bool,
     /// How much of the large-scale light is taken out: 0 nothing, 1 all.
     pub flatten: f32,
+    /// Whether what occurs only once (a sign, a flower) is left out: it would be seen to repeat.
+    pub without_unique: bool,
     /// Levels of detail: the coarsest has steps of 2^(levels − 1) pixels. 1 … [`MOST_LEVELS`].
     pub levels: u32,
 }
@@ -26,6 +29,7 @@ impl Default for ExemplarSettings {
         Self {
             erosion: 1,
             without_sky: true,
+            without_unique: true,
             flatten: 0.6,
             levels: 3,
         }
@@ -38,6 +42,10 @@ pub const MOST_LEVELS: u32 = 5;
 /// Fewest pixels of foliage that an exemplar may have: twice a window of 7×7 in each direction.
 /// Below, a texture would be one spot repeated.
 pub const FEWEST_PIXELS: usize = 200;
+
+/// The level at which what occurs only once is looked for: windows of 14 pixels hold a flower or a
+/// sign; larger ones hold a bit of everything, and every one is unique.
+const UNIQUE_LEVEL: usize = 1;
 
 /// The foliage of a photograph: its pixels at several levels of blur, which of them may be used, and
 /// which look alike. Knows nothing of the size of textures.
@@ -97,22 +105,56 @@ impl Exemplar {
         let size = (width as usize, height as usize);
         let mut levels: Vec<Level> = Vec::new();
         let mut tables = Vec::new();
+        let mut distances = Vec::new();
         for number in 0..settings.levels.clamp(1, MOST_LEVELS) {
             cancel.check()?;
             if number > 0 {
                 colors = blurred(&colors, size.0, 1 << (number - 1));
             }
             let level = Level::new(&colors, usable.pixels(), size, 1 << number);
-            tables.push(similar(&level, Seed(u64::from(number)), cancel)?);
+            let found = similar(&level, Seed(u64::from(number)), cancel)?;
+            tables.push(found.places);
+            distances.push(found.distances);
             levels.push(level);
         }
-        Ok(Self {
+        let mut exemplar = Self {
             levels,
             similar: tables,
             nearest,
             foliage: whole,
             bounds,
-        })
+        };
+        if settings.without_unique {
+            let number = UNIQUE_LEVEL.min(exemplar.levels.len() - 1);
+            let odd = unique(&exemplar.levels[number], &distances[number]);
+            exemplar.leave_out(&odd);
+        }
+        Ok(exemplar)
+    }
+
+    /// Takes back the pixels of `odd`, a mask of the crop.
+    fn leave_out(&mut self, odd: &Mask) {
+        let Rect {
+            x,
+            y,
+            width,
+            height,
+        } = self.bounds;
+        let mut usable = self.foliage.cropped(x, y, width, height);
+        for (usable, odd) in usable.pixels_mut().iter_mut().zip(odd.pixels()) {
+            *usable &= !odd;
+        }
+        if usable.count() < FEWEST_PIXELS {
+            return;
+        }
+        for level in &mut self.levels {
+            level.restrict(usable.pixels());
+        }
+        self.nearest = nearest(&usable);
+        for row in 0..height {
+            let target = self.foliage.row_mut(y + row);
+            target[x as usize..(x + width) as usize].copy_from_slice(usable.row(row));
+        }
     }
 
     /// The pixels of the photograph that textures are made of, a mask of the photograph's size.

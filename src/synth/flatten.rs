@@ -1,9 +1,10 @@
 //! Taking the large-scale light out of an exemplar.
 //!
-//! One side of a crown is in the sun and its underside is dark. A texture that goes round the tree
-//! cannot keep that: it would become a patchwork of light and dark pieces. Each pixel is divided by
-//! the mean luma around it, to a power: 0 leaves the picture alone, 1 makes every large neighbourhood
-//! equally bright. Local contrast, which is what foliage is, stays in proportion.
+//! One side of a crown is in the sun, its underside is dark, and its top may be more yellow. A
+//! texture that goes round the tree cannot keep that: it would become a patchwork. Each channel of
+//! each pixel is divided by the channel's mean around it, to a power: 0 leaves the picture alone, 1
+//! makes every large neighbourhood equal. Local contrast, which is what foliage is, stays in
+//! proportion.
 //!
 //! The mean is taken over foliage only, on a coarse grid, by three passes of a box (nearly a
 //! Gaussian), and interpolated between the cells.
@@ -17,93 +18,95 @@ const CELL: usize = 8;
 /// Smaller, and clumps of leaves lose their shape; larger, and the gradient stays.
 const RADIUS_SHARE: f64 = 0.11;
 
-/// Largest change of brightness: more shows the noise and the compression of deep shade.
+/// Largest change of a channel: more shows the noise and the compression of deep shade.
 const LARGEST_GAIN: f32 = 1.9;
 
-/// Multiplies `colors` (0 … 255, rows of `usable`) by gains that even out the luma of their
-/// neighbourhoods; `amount` is 0 … 1.
+/// Added to both means before one is divided by the other, 8-bit steps: the least channel of a deep
+/// green is nearly 0, and its ratios mean nothing.
+const FLOOR: f32 = 10.0;
+
+/// Multiplies `colors` (0 … 255, rows of `usable`) by gains that even out their neighbourhoods;
+/// `amount` is 0 … 1.
 pub(super) fn flatten(colors: &mut [[f32; 3]], usable: &Mask, amount: f32) {
     if amount <= 0.0 {
         return;
     }
     let (width, height) = (usable.width() as usize, usable.height() as usize);
     let (columns, rows) = (width.div_ceil(CELL), height.div_ceil(CELL));
-    let mut cells = vec![[0.0f32; 2]; columns * rows];
-    for (index, color) in colors.iter().enumerate() {
+    // Sums of red, green and blue, and the number of pixels.
+    let mut cells = vec![[0.0f32; 4]; columns * rows];
+    for (index, [r, g, b]) in colors.iter().enumerate() {
         if usable.pixels()[index] {
-            let (x, y) = (index % width, index / width);
-            let cell = &mut cells[y / CELL * columns + x / CELL];
-            cell[0] += luma(*color);
-            cell[1] += 1.0;
+            let cell = &mut cells[index / width / CELL * columns + index % width / CELL];
+            *cell = added(*cell, [*r, *g, *b, 1.0]);
         }
     }
-    let sums = cells.iter().fold([0.0f64; 2], |sum, cell| {
-        [sum[0] + f64::from(cell[0]), sum[1] + f64::from(cell[1])]
-    });
-    if sums[1] == 0.0 {
+    let mut total = [0.0f64; 4];
+    for cell in &cells {
+        total = [0, 1, 2, 3].map(|i| total[i] + f64::from(cell[i]));
+    }
+    let count = total[3];
+    if count == 0.0 {
         return;
     }
-    let mean = (sums[0] / sums[1]).max(1.0) as f32;
-    let radius = (RADIUS_SHARE * sums[1].sqrt() / CELL as f64)
-        .round()
-        .max(1.0) as usize;
+    let mean = [0, 1, 2].map(|i| (total[i] / count) as f32);
+    let radius = (RADIUS_SHARE * count.sqrt() / CELL as f64).round().max(1.0) as usize;
     for _ in 0..3 {
         cells = boxed(&cells, (columns, 1), (rows, columns), radius);
         cells = boxed(&cells, (rows, columns), (columns, 1), radius);
     }
-    let around: Vec<f32> = cells
-        .iter()
-        .map(|cell| {
-            if cell[1] > 0.0 {
-                (cell[0] / cell[1]).max(1.0)
-            } else {
-                mean
-            }
-        })
-        .collect();
+    let around = |cell: &[f32; 4]| match cell[3] > 0.0 {
+        true => [0, 1, 2].map(|i| cell[i] / cell[3]),
+        false => mean,
+    };
+    let around: Vec<[f32; 3]> = cells.iter().map(around).collect();
     for (index, color) in colors.iter_mut().enumerate() {
         let local = interpolated(&around, columns, rows, index % width, index / width);
-        let gain = libm::powf(mean / local, amount).clamp(1.0 / LARGEST_GAIN, LARGEST_GAIN);
-        *color = color.map(|value| (value * gain).min(255.0));
+        *color = [0, 1, 2].map(|i| {
+            let ratio = (mean[i] + FLOOR) / (local[i] + FLOOR);
+            let gain = libm::powf(ratio, amount).clamp(1.0 / LARGEST_GAIN, LARGEST_GAIN);
+            (color[i] * gain).min(255.0)
+        });
     }
 }
 
-fn luma([r, g, b]: [f32; 3]) -> f32 {
-    0.2126 * r + 0.7152 * g + 0.0722 * b
+fn added(a: [f32; 4], b: [f32; 4]) -> [f32; 4] {
+    [0, 1, 2, 3].map(|i| a[i] + b[i])
 }
 
 /// Sums over 2 · `radius` + 1 cells along one axis, whose length and stride are `along`, for all
 /// lines of the other axis.
 fn boxed(
-    cells: &[[f32; 2]],
+    cells: &[[f32; 4]],
     (length, stride): (usize, usize),
     (lines, line_stride): (usize, usize),
     radius: usize,
-) -> Vec<[f32; 2]> {
-    let mut sums = vec![[0.0f32; 2]; cells.len()];
+) -> Vec<[f32; 4]> {
+    let mut sums = vec![[0.0f32; 4]; cells.len()];
     for line in 0..lines {
         for i in 0..length {
             let range = i.saturating_sub(radius)..(i + radius + 1).min(length);
-            sums[line * line_stride + i * stride] = range.fold([0.0; 2], |sum, at| {
-                let cell = cells[line * line_stride + at * stride];
-                [sum[0] + cell[0], sum[1] + cell[1]]
-            });
+            let cell = |at: usize| cells[line * line_stride + at * stride];
+            sums[line * line_stride + i * stride] =
+                range.fold([0.0; 4], |sum, at| added(sum, cell(at)));
         }
     }
     sums
 }
 
 /// The value at pixel (x, y) of a grid whose cells cover [`CELL`] pixels.
-fn interpolated(cells: &[f32], columns: usize, rows: usize, x: usize, y: usize) -> f32 {
+fn interpolated(cells: &[[f32; 3]], columns: usize, rows: usize, x: usize, y: usize) -> [f32; 3] {
     let place = |pixel: usize, count: usize| {
         let at = ((pixel as f32 + 0.5) / CELL as f32 - 0.5).clamp(0.0, (count - 1) as f32);
         let first = (at as usize).min(count.saturating_sub(2));
         (first, (first + 1).min(count - 1), at - first as f32)
     };
     let ((left, right, u), (top, bottom, v)) = (place(x, columns), place(y, rows));
-    let across =
-        |row: usize| cells[row * columns + left] * (1.0 - u) + cells[row * columns + right] * u;
-    across(top) * (1.0 - v) + across(bottom) * v
+    [0, 1, 2].map(|i| {
+        let cell = |row: usize, column: usize| cells[row * columns + column][i];
+        let across = |row: usize| cell(row, left) * (1.0 - u) + cell(row, right) * u;
+        across(top) * (1.0 - v) + across(bottom) * v
+    })
 }
 
 #[cfg(test)]

@@ -4,7 +4,8 @@
 //! and patches of sky that show through. The rim is eroded. Sky is told from leaves by comparing two
 //! colour histograms, one of what lies outside the mask and one of what lies inside: a colour that
 //! is more at home outside, is at least as blue as it is green, and is brighter than half of the
-//! crown, is sky, and so are its neighbours, in which lens and camera mixed both.
+//! crown, is sky. Where the sky is bluer than the leaves, so is what has more of its hue than of theirs; and
+//! the neighbours of all that, in which lens and camera mixed both.
 //!
 //! Limits: grass and other trees behind gaps have the colours of leaves and stay. A cut-out without a
 //! background has nothing to compare with; nothing is taken for sky.
@@ -15,6 +16,12 @@ use crate::raster::{Image, Mask, Straight, dilated, labelled_components};
 /// ones mix haze with silver leaves.
 const BITS: u32 = 4;
 const SIDE: usize = 1 << BITS;
+
+/// How much larger blue's share must be in the sky than in leaves for mixtures to be told.
+const BLUER: f32 = 0.06;
+
+/// How far from leaves to sky blue's share must be for a mixture: half of the way.
+const MIXTURE: f32 = 0.5;
 
 /// How much less blue than green a colour may be and still be sky, of 255: white clouds have none.
 const BLUE_SLACK: i32 = 10;
@@ -34,7 +41,7 @@ pub(super) fn foliage(
     erosion: u8,
     without_sky: bool,
 ) -> Mask {
-    let outside = paired(photo, mask, |pixel, inside| !inside || pixel.alpha() < 128);
+    let outside = both(photo, mask, |pixel, inside| !inside || pixel.alpha() < 128);
     let grown = dilated(&outside, erosion);
     let inner = grown.map(|&outside| !outside);
     let mut kept = inner.clone();
@@ -53,18 +60,38 @@ pub(super) fn foliage(
 fn sky(photo: &Image<Straight>, mask: &Mask, inner: &Mask) -> Option<Mask> {
     let behind = histogram(
         photo,
-        &paired(photo, mask, |pixel, inside| !inside && pixel.alpha() >= 128),
+        &both(photo, mask, |pixel, inside| !inside && pixel.alpha() >= 128),
     )?;
     let before = histogram(photo, inner)?;
-    let middle = median_luma(photo, inner);
-    Some(paired(photo, inner, |pixel, inside| {
+    let middle = median(photo, inner, |pixel| luma(pixel) as f32)?;
+    let is_sky = |pixel: Straight, inside: bool| {
         let [r, g, b, _] = pixel.0.map(i32::from);
         inside
             && b + BLUE_SLACK >= g
             && b + BLUE_SLACK >= r
-            && luma(pixel) > middle
+            && luma(pixel) as f32 > middle
             && behind[bin(pixel)] > before[bin(pixel)]
-    }))
+    };
+    let sky = both(photo, inner, is_sky);
+    Some(with_mixtures(photo, inner, &sky, middle))
+}
+
+/// `sky` and the pixels of `inner` that are a mixture of it and leaves, told by the share of blue:
+/// light and shade leave it alone.
+fn with_mixtures(photo: &Image<Straight>, inner: &Mask, sky: &Mask, middle: f32) -> Mask {
+    let leaves = both(inner, sky, |inside, sky| inside && !sky);
+    let shares = median(photo, &leaves, blue_share).zip(median(photo, sky, blue_share));
+    let Some((of_leaves, of_sky)) = shares.filter(|(leaves, sky)| sky - leaves > BLUER) else {
+        return sky.clone();
+    };
+    let limit = of_leaves + MIXTURE * (of_sky - of_leaves);
+    // Shade is blue as well, but not brighter than half of the crown, nor are lit leaves less green.
+    let mixed = both(photo, inner, |pixel, inside| {
+        let [_, g, b, _] = pixel.0.map(i32::from);
+        let is_light = luma(pixel) as f32 > middle;
+        inside && is_light && b + BLUE_SLACK >= g && blue_share(pixel) > limit
+    });
+    both(sky, &mixed, |sky, mixed| sky || mixed)
 }
 
 /// Share of the pixels of `mask` in each bin, smoothed over neighbouring bins; `None` when the mask
@@ -120,18 +147,22 @@ fn luma(pixel: Straight) -> i32 {
     (54 * r + 183 * g + 19 * b) >> 8
 }
 
-fn median_luma(photo: &Image<Straight>, mask: &Mask) -> i32 {
+/// Blue's share of the sum of the channels.
+fn blue_share(pixel: Straight) -> f32 {
+    let [r, g, b, _] = pixel.0.map(f32::from);
+    b / (r + g + b).max(1.0)
+}
+
+/// The median of `value` over the pixels of `mask`; `None` when there are none.
+fn median(photo: &Image<Straight>, mask: &Mask, value: impl Fn(Straight) -> f32) -> Option<f32> {
     let inside = photo
         .pixels()
         .iter()
         .zip(mask.pixels())
         .filter(|(_, inside)| **inside);
-    let mut lumas: Vec<i32> = inside.map(|(&pixel, _)| luma(pixel)).collect();
-    let middle = lumas.len() / 2;
-    if lumas.is_empty() {
-        return 0;
-    }
-    *lumas.select_nth_unstable(middle).1
+    let mut values: Vec<f32> = inside.map(|(&pixel, _)| value(pixel)).collect();
+    let middle = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f32::total_cmp).1)
 }
 
 fn without_islands(mask: &Mask) -> Mask {
@@ -148,10 +179,6 @@ fn without_islands(mask: &Mask) -> Mask {
     both(mask, &labels, |inside, label| {
         inside && sizes[label as usize] >= SMALLEST_ISLAND
     })
-}
-
-fn paired(photo: &Image<Straight>, mask: &Mask, decide: impl Fn(Straight, bool) -> bool) -> Mask {
-    both(photo, mask, decide)
 }
 
 /// What `decide` says of the pixels of two images of one size.

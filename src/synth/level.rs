@@ -78,6 +78,16 @@ impl Level {
         level
     }
 
+    /// Takes back what `still_usable` (rows of the photograph) does not hold.
+    pub(super) fn restrict(&mut self, still_usable: &[bool]) {
+        for index in 0..self.usable.len() {
+            if self.usable[index] {
+                let (x, y) = self.place(index);
+                self.usable[index] = still_usable[y as usize * self.size.0 + x as usize];
+            }
+        }
+    }
+
     fn in_border_row(&self, line: usize) -> bool {
         let row = line % self.rows;
         row < BORDER || row >= self.rows - BORDER

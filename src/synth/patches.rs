@@ -24,6 +24,10 @@ use rayon::prelude::*;
 /// Blocks that are compared for each piece: more find better seams but always the same blocks.
 const COMPARED: usize = 320;
 
+/// Side of the blocks from which on so many are compared; of smaller ones, of which more are laid,
+/// fewer.
+const COMPARED_SIDE: usize = 12;
+
 /// How much a block that was used once counts against a difference equal to the exemplar's variance.
 const REUSE: f32 = 0.18;
 
@@ -37,7 +41,7 @@ const SMALLEST: usize = 5;
 
 /// Shares of foliage that a block must have, from the strictest, and the share of the exemplar's
 /// pixels that must be corners of such blocks.
-const FULL_ENOUGH: [f32; 4] = [0.95, 0.85, 0.7, 0.5];
+const FULL_ENOUGH: [f32; 3] = [0.95, 0.85, 0.7];
 const ENOUGH_BLOCKS: f32 = 0.15;
 
 /// Squares of the exemplar's coarsest level that pieces may be cut from.
@@ -61,19 +65,25 @@ impl<'a> Blocks<'a> {
         let enough = (usable as f32 * ENOUGH_BLOCKS).max(1.0) as usize;
         let wanted = wanted.max(SMALLEST);
         let mut best: Option<(usize, Vec<u32>)> = None;
-        for share in FULL_ENOUGH {
-            for side in (SMALLEST..=wanted).rev() {
-                let corners = corners(level, &sums, side, share);
-                if corners.len() >= enough {
-                    return Self::of(level, side, corners);
-                }
-                if best
-                    .as_ref()
-                    .is_none_or(|(_, most)| corners.len() > most.len())
-                {
-                    best = Some((side, corners));
+        let mut largest = wanted;
+        while largest >= SMALLEST {
+            // Rather gaps than small pieces, within limits.
+            let smallest = (largest * 2 / 3).max(SMALLEST);
+            for share in FULL_ENOUGH {
+                for side in (smallest..=largest).rev() {
+                    let corners = corners(level, &sums, side, share);
+                    if corners.len() >= enough {
+                        return Self::of(level, side, corners);
+                    }
+                    if best
+                        .as_ref()
+                        .is_none_or(|(_, most)| corners.len() > most.len())
+                    {
+                        best = Some((side, corners));
+                    }
                 }
             }
+            largest = smallest - 1;
         }
         let (side, corners) = best.unwrap_or((SMALLEST, Vec::new()));
         Self::of(level, side, corners)
@@ -316,14 +326,15 @@ impl Layer<'_, '_> {
             depth if depth >= (side - 1) / 2 => Side::Second,
             _ => Side::Either,
         });
-        let places = self.canvas.places.clone();
-        let colors = self.canvas.colors.clone();
+        let square = (0..side * side).filter_map(|i| self.canvas.at(x + i % side, y + i / side));
+        let covered: Vec<(usize, u32)> = square.map(|at| (at, self.canvas.places[at])).collect();
         self.join(x, y, corner, &sides)?;
         if self.mismatch(x, y) < before {
             self.remember(x, y, corner);
         } else {
-            self.canvas.places = places;
-            self.canvas.colors = colors;
+            for (at, index) in covered.into_iter().filter(|(_, index)| *index != NOWHERE) {
+                self.canvas.set(at, index, self.blocks.level);
+            }
         }
         Ok(())
     }
@@ -350,7 +361,8 @@ impl Layer<'_, '_> {
                     .then(|| (offset, self.canvas.colors[at]))
             })
             .collect();
-        let compared: Vec<u32> = (0..COMPARED)
+        let count = COMPARED * blocks.side.min(COMPARED_SIDE) / COMPARED_SIDE;
+        let compared: Vec<u32> = (0..count)
             .map(|_| blocks.corners[random.below(blocks.corners.len())])
             .collect();
         let costs: Vec<f32> = compared

@@ -47,7 +47,7 @@ impl Gap {
     /// Directions of its rim vertices: they divide the gap into parts of about 90°, those of a
     /// whole turn without neighbours into four.
     fn rim(self) -> Vec<DVec2> {
-        let quarters = (self.eighths + 1) / 2;
+        let quarters = self.eighths.div_ceil(2);
         let count = if self.from.is_some() {
             (quarters - 1).max(1)
         } else {
@@ -74,7 +74,7 @@ fn gaps(mask: &Mask, x: i64, y: i64) -> (Vec<Gap>, bool) {
     let present = NEIGHBOURS.map(|(dx, dy)| mask.get(x + dx, y + dy) == Some(true));
     // Whether the eighth of a turn behind each neighbour is taken by a triangle.
     let filled: [bool; 8] = std::array::from_fn(|eighth| {
-        let (axis, diagonal) = ((eighth + 1) / 2 * 2 % 8, eighth / 2 * 2 + 1);
+        let (axis, diagonal) = (eighth.div_ceil(2) * 2 % 8, eighth / 2 * 2 + 1);
         let other_axis = (diagonal * 2 + 8 - axis) % 8;
         present[axis] && (present[diagonal] || present[other_axis])
     });

@@ -30,13 +30,21 @@ struct Leaf {
     // From the centre of the crown, in its frame; metres for a sample.
     @location(5) @interpolate(flat) point: vec4<f32>,
     @location(6) @interpolate(flat) turn: vec2<f32>,
-    @location(7) @interpolate(flat) fade: f32,
+    // Share of the samples; how far the leaf may reach beyond the surface, as a factor.
+    @location(7) @interpolate(flat) fade: vec2<f32>,
 }
 
 // Share of the leaves that are growing.
 const GROWING: f32 = 0.15;
-const DEEPEST: f32 = 0.62;
-const DRAWN_BACK: f32 = 0.42;
+const DEEPEST: f32 = 0.64;
+const DRAWN_BACK: f32 = 0.12;
+// The outline is made by what stands out of the mean surface.
+const STANDS_OUT: f32 = 1.07;
+// How far a free leaf may reach beyond the surface, in radii; such a leaf is drawn whole.
+const FREEST: f32 = 0.6;
+// Radii of a crown, pixels, at which its leaves keep to the surface, and are free of it.
+const KEPT_RADIUS: f32 = 100.0;
+const FREE_RADIUS: f32 = 320.0;
 const SPREAD: f32 = 0.55;
 
 fn nothing() -> Leaf {
@@ -72,7 +80,7 @@ fn corner(@builtin(vertex_index) vertex: u32, in: Crown) -> Leaf {
     let reach = radius_at(direction, shape_level);
     var point = ball * crown.radius_range.y;
     if frame.leaf_clip == 0u {
-        let out = reach * (DEEPEST + (1.0 - DEEPEST) * share) - DRAWN_BACK * half_m;
+        let out = STANDS_OUT * reach * (DEEPEST + (1.0 - DEEPEST) * share) - DRAWN_BACK * half_m;
         point = direction * max(out, 0.0);
     }
     let depth_share = sqrt(dot(point, point)) / reach;
@@ -94,7 +102,7 @@ fn corner(@builtin(vertex_index) vertex: u32, in: Crown) -> Leaf {
     let normal_local = normal_at(direction, shape_level);
     let above = direction * reach + normal_local * (0.05 * crown.mean_radius);
     let inside = clamp(depth_share - 0.45, 0.0, 0.45) / 0.45;
-    let bright = 0.85 + 0.3 * hashed(salt ^ 3u);
+    let bright = 0.98 + 0.36 * hashed(salt ^ 3u);
     let texels = 128.0 / max(2.0 * half_side, 1.0);
     let level = min(log2(max(texels, 1.0)), f32(textureNumLevels(atlas) - 1u));
     let place = vec2((across + 1.0) * 0.5 * frame.size.x, (1.0 - upward) * 0.5 * frame.size.y);
@@ -110,7 +118,13 @@ fn corner(@builtin(vertex_index) vertex: u32, in: Crown) -> Leaf {
     );
     out.point = vec4(point, metres / in.scale);
     out.turn = in.turn;
-    out.fade = in.fade;
+    let free = clamp(
+        (radius_samples / f32(frame.fineness) - KEPT_RADIUS) / (FREE_RADIUS - KEPT_RADIUS),
+        0.0,
+        1.0,
+    );
+    let bound = select(1.0, 1.0 + FREEST * free, frame.leaf_clip == 0u);
+    out.fade = vec2(in.fade, bound);
     out.clip = corner_of(vertex % 6u, place, half_side, away);
     return out;
 }
@@ -154,7 +168,7 @@ fn sample(leaf: Leaf) -> @location(0) vec4<f32> {
     let level = leaf.place.w;
     let across = (place.x - leaf.place.x) / half_side;
     let down = (place.y - leaf.place.y) / half_side;
-    if abs(across) > 1.0 || abs(down) > 1.0 || pattern(place, leaf.ids.z) >= leaf.fade {
+    if abs(across) > 1.0 || abs(down) > 1.0 || pattern(place, leaf.ids.z) >= leaf.fade.x {
         discard;
     }
     let u = 0.5 + 0.5 * (leaf.spin.x * across - leaf.spin.y * down);
@@ -169,12 +183,12 @@ fn sample(leaf: Leaf) -> @location(0) vec4<f32> {
         discard;
     }
     let aside = frame.right * across - frame.up * down;
-    if frame.leaf_clip == 1u {
+    if leaf.fade.y < 1.0 + FREEST {
         let metres = leaf.point.w;
         let point = leaf.point.xyz + local_from_world(leaf.turn, aside) * (half_side * metres);
         let samples = crown.radius_range.y / metres;
         let radius_level = u32(level_for(crown.radius_size, crown.radius_levels, samples));
-        if sqrt(dot(point, point)) > radius_at(point, radius_level) {
+        if sqrt(dot(point, point)) > radius_at(point, radius_level) * leaf.fade.y {
             discard;
         }
     }

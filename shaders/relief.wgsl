@@ -10,6 +10,7 @@ struct Corner {
     @location(4) fade: f32,
     @location(5) dither: u32,
     @location(6) tint: vec3<f32>,
+    @location(7) finest_level: f32,
 }
 
 struct March {
@@ -53,9 +54,15 @@ fn corner(in: Corner) -> March {
     out.steps = clamp(radius_samples * frame.steps_a_sample, frame.least_steps, frame.most_steps);
     out.turn = in.turn;
     out.scale = in.scale;
-    out.surface_level = level_for(crown.surface_size, crown.surface_levels, radius_samples);
+    out.surface_level = max(
+        level_for(crown.surface_size, crown.surface_levels, radius_samples),
+        min(in.finest_level, f32(crown.surface_levels - 1u)),
+    );
     out.tint = in.tint;
-    out.radius_level = u32(level_for(crown.radius_size, crown.radius_levels, radius_samples));
+    out.radius_level = u32(max(
+        level_for(crown.radius_size, crown.radius_levels, radius_samples),
+        min(in.finest_level, f32(crown.radius_levels - 1u)),
+    ));
     out.fade = in.fade;
     out.dither = in.dither;
     return out;

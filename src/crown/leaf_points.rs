@@ -16,8 +16,8 @@ use glam::DVec3;
 /// Points that the thesis draws: those of three levels.
 pub const LEAF_POINTS: usize = 320;
 
-/// Levels of the octree that candidates are taken from. The last one has four times as many points
-/// as are ever used: there is something to choose from.
+/// Levels of the octree that candidates are taken from. The last one has more points
+/// than are ever used: there is something to choose from.
 const LEVELS: u32 = 4;
 
 /// The `count` first points of the unit ball, best prefix first.

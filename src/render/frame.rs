@@ -136,8 +136,9 @@ pub struct InstanceNumbers {
     pub dither: u32,
     /// Factor on the colours.
     pub tint: [f32; 3],
-    /// To a multiple of 16 bytes.
-    pub padding: f32,
+    /// Finest level of the crown that is drawn: a core is smooth, or its relief would stand out
+    /// between the leaves.
+    pub finest_level: f32,
 }
 
 impl Frame {
@@ -215,11 +216,40 @@ pub(crate) struct Resolved {
     pub(crate) shadows: Vec<(usize, InstanceNumbers)>,
 }
 
-/// Size of the dark core within a leaf crown: one does not look through a dense crown, and its few
-/// hundred leaves alone would leave gaps. Above 0.9 the core shows between the outermost leaves.
-const CORE: f32 = 0.78;
-/// Brightness of the core.
-const CORE_LIGHT: f32 = 0.4;
+/// Size and brightness of the dark core within a leaf crown, near and far. One does not look through
+/// a dense crown, and its few hundred leaves alone would leave gaps. A larger core shows between the
+/// outermost leaves, which is what is wanted far away, where relief takes over.
+const NEAR_CORE: [f32; 2] = [0.66, 0.22];
+const FAR_CORE: [f32; 2] = [0.985, 0.9];
+
+/// Finest level of a near core.
+const CORE_LEVEL: f32 = 3.0;
+
+/// Radii of a crown, in pixels, at which its leaves keep to the surface as relief does, and at
+/// which they are free of it.
+const KEPT_RADIUS: f32 = 100.0;
+const FREE_RADIUS: f32 = 320.0;
+
+/// How free leaves are of the surface, 0 … 1, in a crown with a radius of so many pixels.
+#[inline(always)]
+pub(crate) fn leaf_freedom(radius_pixels: f32) -> f32 {
+    ((radius_pixels - KEPT_RADIUS) / (FREE_RADIUS - KEPT_RADIUS)).clamp(0.0, 1.0)
+}
+
+/// The radius of a crown on the screen, pixels.
+fn radius_pixels(
+    view: &SceneView<'_>,
+    settings: &RenderSettings,
+    crown: &PreparedCrown,
+    numbers: &InstanceNumbers,
+) -> f32 {
+    let radius = f64::from(crown.radius_range.1 * numbers.scale);
+    let center = glam::Vec3::from(numbers.center).as_dvec3();
+    let distance = (center.distance(view.camera.eye_m()) - 0.5 * radius).max(0.05 * radius);
+    let (_, half_up) = view.camera.half_extent(1.0);
+    let pixel = 2.0 * half_up / f64::from(settings.size.1);
+    (radius / (distance * pixel)) as f32
+}
 
 impl Resolved {
     /// Which crown is drawn how. A crown that changes its form is drawn by both passes, each taking
@@ -248,7 +278,9 @@ impl Resolved {
             }
             if numbers.fade > 0.0 {
                 resolved.leaves.push((crown, numbers));
-                resolved.relief.push((crown, numbers.core()));
+                let prepared = &view.crowns[crown];
+                let freedom = leaf_freedom(radius_pixels(view, settings, prepared, &numbers));
+                resolved.relief.push((crown, numbers.core(freedom)));
             }
         }
         // A crown's own after one another, so that the card changes crowns seldom.
@@ -312,16 +344,18 @@ impl InstanceNumbers {
             fade: 0.0,
             dither: 0,
             tint: instance.tint,
-            padding: 0.0,
+            finest_level: 0.0,
         }
     }
 
-    /// The core of a leaf crown.
-    fn core(self) -> Self {
+    /// The core of a leaf crown whose leaves are so free of its surface.
+    fn core(self, freedom: f32) -> Self {
+        let [size, light] = [0, 1].map(|i| FAR_CORE[i] + (NEAR_CORE[i] - FAR_CORE[i]) * freedom);
         Self {
-            scale: self.scale * CORE,
-            tint: self.tint.map(|channel| channel * CORE_LIGHT),
+            scale: self.scale * size,
+            tint: self.tint.map(|channel| channel * light),
             fade: 0.0,
+            finest_level: CORE_LEVEL * freedom,
             ..self
         }
     }

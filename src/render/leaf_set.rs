@@ -5,8 +5,8 @@ use crate::base::{Digest, Hasher, Seed};
 use crate::branches::sprite::LeafShape;
 use crate::crown::leaf_points;
 
-/// Places of a set: four times those of the thesis, for close views.
-pub(crate) const MOST_POINTS: usize = 1280;
+/// Places of a set: six times those of the thesis, for close views.
+pub(crate) const MOST_POINTS: usize = 2048;
 
 /// Places and pictures of leaves, the same for all crowns of a scene.
 #[derive(Debug, Clone, PartialEq)]

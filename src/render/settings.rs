@@ -171,8 +171,8 @@ impl Default for LeafSettings {
         Self {
             leaves_a_pixel: 8.0,
             least: 64,
-            most: 1280,
-            size: 4.0,
+            most: 2048,
+            size: 4.8,
             clip: LeafClip::Center,
         }
     }

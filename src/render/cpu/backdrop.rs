@@ -28,7 +28,11 @@ fn behind(frame: &Frame, ray: Vec3) -> Vec3 {
         let upward = (0.5 + 0.5 * ray.y).clamp(0.0, 1.0);
         return Vec3::new(0.50, 0.51, 0.52) + Vec3::new(0.34, 0.35, 0.37) * upward;
     }
-    let upward = ray.y.max(0.0);
-    let haze = 1.0 / (1.0 + 9.0 * upward);
-    Vec3::new(0.20, 0.38, 0.72) * (1.0 - haze) + Vec3::new(0.80, 0.88, 0.96) * haze
+    let horizon = Vec3::new(0.80, 0.88, 0.96);
+    if ray.y < 0.0 {
+        let haze = 1.0 / (1.0 - 30.0 * ray.y);
+        return Vec3::new(0.145, 0.165, 0.075) * (1.0 - haze) + horizon * haze;
+    }
+    let haze = 1.0 / (1.0 + 9.0 * ray.y);
+    Vec3::new(0.20, 0.38, 0.72) * (1.0 - haze) + horizon * haze
 }

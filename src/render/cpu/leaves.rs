@@ -8,7 +8,7 @@ use super::crown::{level_for, radius_in_samples, sunlit_at, surface_at};
 use super::dither::{hash, hashed, pattern};
 use super::shade::{Place, shaded};
 use super::{Band, Drawn};
-use crate::render::frame::{Frame, InstanceNumbers};
+use crate::render::frame::{Frame, InstanceNumbers, leaf_freedom};
 use crate::render::leaf_atlas::{LEVELS, LeafAtlas, VARIANTS};
 use crate::render::surface::normal;
 use glam::Vec3;
@@ -16,9 +16,13 @@ use glam::Vec3;
 /// Share of the leaves that are growing.
 const GROWING: f32 = 0.15;
 /// How far within the ball a leaf's share of the radius goes: the inside is hidden.
-const DEEPEST: f32 = 0.62;
+const DEEPEST: f32 = 0.64;
 /// How far leaves are drawn back from the surface, in halves of their side.
-const DRAWN_BACK: f32 = 0.42;
+const DRAWN_BACK: f32 = 0.12;
+/// The outline is made by what stands out of the mean surface, which leaves are placed by.
+const STANDS_OUT: f32 = 1.07;
+/// How far a free leaf may reach beyond the surface, in radii; such a leaf is drawn whole.
+const FREEST: f32 = 0.6;
 /// How much a twig's normals spread, as those of a ball would.
 const SPREAD: f32 = 0.55;
 
@@ -43,6 +47,8 @@ pub(super) struct Leaf {
     /// From the centre of the crown, in its frame, metres; and metres for a sample at that distance.
     point: Vec3,
     metres_a_sample: f32,
+    /// How far the leaf may reach beyond the surface, as a factor on its radius.
+    bound: f32,
 }
 
 /// The leaves of an instance that are before the eye.
@@ -59,13 +65,19 @@ pub(super) fn leaves(frame: &Frame, drawn: &Drawn<'_>, points: &[[f32; 4]]) -> V
         .min(points.len() as f32);
     let made = points[..count.ceil() as usize].iter().enumerate();
     made.filter_map(|(index, &[x, y, z, _])| {
-        leaf(frame, drawn, Vec3::new(x, y, z), index as u32, count)
+        let numbered = (index as u32, count, radius_samples);
+        leaf(frame, drawn, Vec3::new(x, y, z), numbered)
     })
     .collect()
 }
 
-/// Leaf `index` of `count`, at `ball` in the unit ball.
-fn leaf(frame: &Frame, drawn: &Drawn<'_>, ball: Vec3, index: u32, count: f32) -> Option<Leaf> {
+/// Leaf `index` of `count`, at `ball` in the unit ball, of a crown with a radius of `crown_samples`.
+fn leaf(
+    frame: &Frame,
+    drawn: &Drawn<'_>,
+    ball: Vec3,
+    (index, count, crown_samples): (u32, f32, f32),
+) -> Option<Leaf> {
     let (numbers, instance) = (&drawn.numbers, &drawn.instance);
     let radius = &drawn.crown.radius;
     let salt = hash(index ^ instance.dither);
@@ -77,7 +89,7 @@ fn leaf(frame: &Frame, drawn: &Drawn<'_>, ball: Vec3, index: u32, count: f32) ->
     let shape_level = numbers.radius_levels.max(4) - 4;
     let reach = radius.sampled(direction, shape_level);
     let point = if frame.leaf_clip == 0 {
-        let out = reach * (DEEPEST + (1.0 - DEEPEST) * share) - DRAWN_BACK * half_m;
+        let out = STANDS_OUT * reach * (DEEPEST + (1.0 - DEEPEST) * share) - DRAWN_BACK * half_m;
         direction * out.max(0.0)
     } else {
         ball * numbers.radius_range[1]
@@ -103,7 +115,7 @@ fn leaf(frame: &Frame, drawn: &Drawn<'_>, ball: Vec3, index: u32, count: f32) ->
     let normal_local = normal(radius, direction, shape_level);
     let above = direction * reach + normal_local * (0.05 * numbers.mean_radius);
     let inside = (depth_share - 0.45).clamp(0.0, 0.45) / 0.45;
-    let bright = 0.85 + 0.3 * hashed(salt ^ 3);
+    let bright = 0.98 + 0.36 * hashed(salt ^ 3);
     let texels = 128.0 / (2.0 * half).max(1.0);
     Some(Leaf {
         x: (across + 1.0) * 0.5 * frame.size[0],
@@ -120,6 +132,11 @@ fn leaf(frame: &Frame, drawn: &Drawn<'_>, ball: Vec3, index: u32, count: f32) ->
         sunlit: sunlit_at(frame, drawn, above, shape_level) * (0.25 + 0.75 * inside),
         point,
         metres_a_sample: metres_a_sample / instance.scale,
+        bound: if frame.leaf_clip == 1 {
+            1.0
+        } else {
+            1.0 + FREEST * leaf_freedom(crown_samples / frame.fineness as f32)
+        },
     })
 }
 
@@ -178,7 +195,7 @@ fn sample(
         return None;
     }
     let aside = Vec3::from(frame.right) * across - Vec3::from(frame.up) * down;
-    if frame.leaf_clip == 1 {
+    if leaf.bound < 1.0 + FREEST {
         let local = drawn.instance.local(aside) * (leaf.half * leaf.metres_a_sample);
         let place = leaf.point + local;
         let level = level_for(
@@ -186,7 +203,7 @@ fn sample(
             drawn.numbers.radius_levels,
             drawn.numbers.radius_range[1] / leaf.metres_a_sample,
         ) as u32;
-        if place.dot(place).sqrt() > drawn.crown.radius.sampled(place, level) {
+        if place.dot(place).sqrt() > drawn.crown.radius.sampled(place, level) * leaf.bound {
             return None;
         }
     }

@@ -107,7 +107,11 @@ impl March {
         let radius_samples = radius_in_samples(frame, &drawn.numbers, eye);
         let steps =
             (radius_samples * frame.steps_a_sample).clamp(frame.least_steps, frame.most_steps);
-        let level = |size, levels| level_for(size, levels, radius_samples);
+        let finest = drawn.instance.finest_level;
+        let level = |size, levels: u32| {
+            let fitting = level_for(size, levels, radius_samples);
+            fitting.max(finest.min((levels - 1) as f32))
+        };
         Self {
             eye,
             steps,

@@ -7,8 +7,9 @@ use std::borrow::Cow;
 use wgpu::{BindGroupLayout, CompareFunction, Device, RenderPipeline, TextureFormat};
 
 /// Where an instance's numbers stand in its vertex buffer.
-const INSTANCE: [wgpu::VertexAttribute; 6] = wgpu::vertex_attr_array![
-    1 => Float32x3, 2 => Float32, 3 => Float32x2, 4 => Float32, 5 => Uint32, 6 => Float32x3
+const INSTANCE: [wgpu::VertexAttribute; 7] = wgpu::vertex_attr_array![
+    1 => Float32x3, 2 => Float32, 3 => Float32x2, 4 => Float32, 5 => Uint32, 6 => Float32x3,
+    7 => Float32
 ];
 
 /// Where a proxy's corners stand.

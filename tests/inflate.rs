@@ -184,7 +184,12 @@ fn oracle() -> Option<PathBuf> {
         .parent()
         .map(|shared| shared.join("oracle"));
     let named = std::env::var_os("BOSCAGE_ORACLE").map(PathBuf::from);
-    named.or(beside).filter(|folder| folder.is_dir())
+    // Commands run in other folders.
+    let absolute = |folder: PathBuf| std::path::absolute(folder).ok();
+    named
+        .or(beside)
+        .and_then(absolute)
+        .filter(|folder| folder.is_dir())
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! `boscage demo`: the whole pipeline on the built-in samples.
 
+use super::demo_crown::demo_crown;
 use super::failure::Failure;
 use super::session::Session;
 use super::vary::Vary;
@@ -10,10 +11,11 @@ use crate::variation::{ChoiceSettings, ExemplarSettings};
 use clap::Args;
 use std::path::PathBuf;
 
-/// Make new trees from the built-in samples
+/// Make new trees and a crown from the built-in samples
 ///
-/// Writes the samples into DIR/exemplars, new trees and library.json into DIR/trees, and all of
-/// them on one sheet, DIR/sheet.png.
+/// Writes the samples into DIR/exemplars, new trees and library.json into DIR/trees, all of them on
+/// one sheet, DIR/sheet.png, and one sample's crown in three dimensions into DIR/crown, with a
+/// picture of it, DIR/crown.png.
 #[derive(Debug, Args)]
 #[command(after_help = "Example: boscage demo --out out/demo")]
 pub(super) struct Flags {
@@ -33,6 +35,7 @@ impl Job for Flags {
             ("choose", 2.0),
             ("vary", 80.0),
             ("sheet", 7.0),
+            ("crown", 60.0),
         ]
     }
 
@@ -69,6 +72,10 @@ impl Job for Flags {
             choice: ChoiceSettings::default(),
             cache: None,
         };
-        vary.run(&Classical, &out.join("trees"), session)
+        vary.run(&Classical, &out.join("trees"), session)?;
+        if session.options.shard.contains(0) {
+            demo_crown(session, &out.join("crown"))?;
+        }
+        Ok(())
     }
 }

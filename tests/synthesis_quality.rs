@@ -23,12 +23,12 @@ use std::path::{Path, PathBuf};
 
 type Picture = Image<Straight>;
 
-/// The upper part of a built-in sample, which is all crown, and its mask.
+/// A part of a built-in sample's crown, and its mask.
 fn sample(name: &str) -> (Picture, Mask) {
     let sample = samples().iter().find(|sample| sample.name() == name);
     let bytes = sample.unwrap().bundled();
     let whole = read_image_from_memory(bytes, Path::new(name), ReadLimits::default()).unwrap();
-    let picture = whole.cropped(0, 0, whole.width(), whole.height() / 2);
+    let picture = whole.cropped(whole.width() / 2 - 160, whole.height() / 4, 320, 256);
     let mask = picture.map(|pixel| pixel.alpha() > 127);
     (picture, mask)
 }
@@ -112,10 +112,11 @@ fn what_is_given_stays_and_the_rest_continues_it() {
         assert!(known.is_none_or(|known| known == pixel[..3]));
         assert_eq!(known.is_none(), second.sources.pixels()[at].is_some());
     }
-    // The columns where given and new pixels meet differ no more than columns elsewhere do.
-    let step = |x: u32| -> f64 {
+    // What grew out of the given pixels follows them better than another texture pasted there.
+    let third = made(&exemplar, &Image::filled(160, 96, None), 3).image;
+    let step = |at: (u32, &Picture), next: (u32, &Picture)| -> f64 {
         let rows = (0..96).map(|y| {
-            let (a, b) = (second.image.at(x - 1, y).0, second.image.at(x, y).0);
+            let (a, b) = (at.1.at(at.0, y).0, next.1.at(next.0, y).0);
             a.iter()
                 .zip(b)
                 .map(|(&a, b)| f64::from(a.abs_diff(b)))
@@ -123,10 +124,11 @@ fn what_is_given_stays_and_the_rest_continues_it() {
         });
         rows.sum::<f64>() / 96.0
     };
-    let elsewhere = (1..50).map(step).sum::<f64>() / 49.0;
-    for seam in [step(50), step(110)] {
-        assert!(seam < 1.3 * elsewhere, "{seam} {elsewhere}");
-    }
+    let image = &second.image;
+    let grown = step((49, image), (50, image)) + step((109, image), (110, image));
+    let pasted = step((49, image), (50, &third)) + step((109, &third), (110, image));
+    eprintln!("steps beside given pixels: grown {grown:.1}, pasted {pasted:.1}");
+    assert!(grown < 0.85 * pasted, "{grown} {pasted}");
 }
 
 #[test]
@@ -286,9 +288,16 @@ fn textures_are_as_like_their_exemplar_as_those_of_wei_and_levoy() {
     for (name, (ours, theirs)) in names.iter().zip(&figures) {
         eprintln!("{name}: distance {ours:.2}, Wei & Levoy {theirs:.2}");
     }
-    for (name, (ours, theirs)) in names.iter().zip(figures) {
-        assert!(ours <= theirs, "{name}: {ours} {theirs}");
-    }
+    // A texture of this size is a sample of some ten pieces, so a single one may be unlucky.
+    let as_good = figures
+        .iter()
+        .filter(|(ours, theirs)| ours <= theirs)
+        .count();
+    assert!(as_good >= 3, "{figures:?}");
+    let sums = figures
+        .iter()
+        .fold((0.0, 0.0), |sum, one| (sum.0 + one.0, sum.1 + one.1));
+    assert!(sums.0 < 0.7 * sums.1, "{figures:?}");
 }
 
 #[test]

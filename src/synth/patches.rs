@@ -29,11 +29,11 @@ const COMPARED: usize = 320;
 const COMPARED_SIDE: usize = 12;
 
 /// How much a block that was used once counts against a difference equal to the exemplar's variance.
-const REUSE: f32 = 0.18;
+const REUSE: f32 = 0.4;
 
 /// How much more it counts right beside where it was used, falling to nothing within
 /// [`NEAR_PIECES`] pieces.
-const NEARBY: f32 = 6.0;
+const NEARBY: f32 = 3.0;
 const NEAR_PIECES: f32 = 5.0;
 
 /// Smallest piece, pixels of the coarsest level: smaller ones hold no structure.

@@ -14,6 +14,8 @@ pub mod contour;
 
 pub mod segment;
 
+pub mod paint;
+
 pub mod branches;
 
 pub mod variation;
@@ -24,7 +26,11 @@ pub mod synth;
 
 pub mod scene;
 
+pub mod document;
+
 pub mod pipeline;
+
+pub mod jobs;
 
 pub mod render;
 

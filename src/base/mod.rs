@@ -14,7 +14,7 @@ mod text;
 
 pub use cancel::{Cancel, Cancelled};
 pub use file::{FileError, read_limited, write_atomic};
-pub use hash::{Digest, Hasher};
+pub use hash::{Digest, Hasher, NoDigest};
 pub use panics::{Panicked, without_panics};
 pub use parallel::{Kernel, with_level_of_cpu, with_threads};
 pub use progress::{Progress, Reporter, Stage, Update};

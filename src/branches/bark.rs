@@ -30,7 +30,7 @@ pub struct Bark {
 impl Bark {
     /// Factor on the bark's colour, about 0.3..1.4, at the arc length `around_m` and the length of
     /// wood `along_m`, both in metres, on a limb of radius `radius_m`.
-    pub(super) fn relief(&self, around_m: f32, along_m: f32, radius_m: f32) -> f32 {
+    pub fn relief(&self, around_m: f32, along_m: f32, radius_m: f32) -> f32 {
         let grain = 1.0 + 0.16 * noise2(around_m * 90.0, along_m * 60.0, 3);
         let stain = 1.0 + 0.15 * noise2(around_m * 4.0, along_m * 2.5, 4);
         // Thin limbs are smooth whatever the stem looks like.
@@ -45,7 +45,7 @@ impl Bark {
     }
 
     /// sRGB colour in 0..255 at the share `height` of the tree's height.
-    pub(super) fn colour(&self, height: f32) -> Vec3 {
+    pub fn colour(&self, height: f32) -> Vec3 {
         let part = |bark: [u8; 3]| Vec3::from_array(bark.map(f32::from));
         part(self.low).lerp(part(self.high), ramp(0.05, 0.5, height))
     }

@@ -23,6 +23,7 @@ pub mod samples;
 pub mod skeleton;
 pub mod species;
 pub mod sprite;
+pub mod twigs;
 pub mod whorls;
 mod wood;
 

@@ -56,7 +56,7 @@ impl Job for Flags {
             has_target: false,
             count: self.count,
             like: None,
-            with_labels: false,
+            maps: std::collections::BTreeSet::new(),
             sheet: session
                 .options
                 .shard

@@ -7,6 +7,7 @@
 
 use crate::base::{Cancelled, FileError, one_line};
 use crate::raster::{ImageError, Refusal};
+use crate::render::RenderError;
 use crate::segment::SegmentError;
 use std::fmt;
 use std::io::{self, ErrorKind};
@@ -73,6 +74,16 @@ impl From<ImageError> for Failure {
                 let transient = matches!(reason, Refusal::OutOfMemory { .. });
                 Self::classed(transient, error.to_string())
             }
+        }
+    }
+}
+
+impl From<RenderError> for Failure {
+    fn from(error: RenderError) -> Self {
+        match error {
+            RenderError::Cancelled(cancelled) => cancelled.into(),
+            RenderError::TooLarge { .. } => Self::of("--size", error),
+            _ => Self::Environment(error.to_string()),
         }
     }
 }

@@ -1,8 +1,10 @@
 //! Input files, read once: the same bytes are hashed and decoded.
 
 use super::failure::Failure;
-use crate::base::{Digest, read_limited};
-use crate::raster::{Image, ReadLimits, Straight, read_image_from_memory};
+use crate::base::{Digest, FileError, Hasher, read_limited};
+use crate::export::{CrownFolderError, crown_from_files};
+use crate::raster::{Image, Mask, ReadLimits, Straight, read_image_from_memory};
+use crate::scene::Crown;
 use std::path::{Path, PathBuf};
 
 /// A picture file that was read but not decoded yet.
@@ -23,6 +25,11 @@ impl PictureFile {
         })
     }
 
+    /// The file.
+    pub(super) fn path(&self) -> &Path {
+        &self.path
+    }
+
     /// The digest of the content; the name has no part in it.
     pub(super) fn digest(&self) -> Digest {
         Digest::of(&self.bytes)
@@ -38,5 +45,54 @@ impl PictureFile {
             &self.path,
             ReadLimits::default(),
         )?)
+    }
+}
+
+/// The mask that `picture` shows: where it is opaque, if any of it is clear, else where its red is
+/// 128 or more.
+pub(super) fn mask_from(picture: &Image<Straight>) -> Mask {
+    let has_alpha = picture.pixels().iter().any(|pixel| pixel.alpha() < 255);
+    picture.map(|pixel| {
+        let value = if has_alpha { pixel.alpha() } else { pixel.0[0] };
+        value >= 128
+    })
+}
+
+/// Largest file of a crown's folder that is read.
+const LARGEST_CROWN_FILE: u64 = 1 << 30;
+
+/// The crown in `folder`, and the digest of all its files.
+///
+/// # Errors
+/// [`Failure::BadInput`] naming the file that is missing or broken.
+pub(super) fn read_crown(folder: &Path) -> Result<(Crown, Digest), Failure> {
+    let mut digest = Hasher::new("boscage crown folder");
+    let outcome = crown_from_files(|name| {
+        let bytes = read_limited(&folder.join(name), LARGEST_CROWN_FILE)?;
+        digest = std::mem::replace(&mut digest, Hasher::new("")).with(&bytes);
+        Ok(bytes)
+    });
+    match outcome {
+        Ok((crown, _)) => Ok((crown, digest.finish())),
+        Err(CrownReadFailure::File(error)) => Err(error.into()),
+        Err(CrownReadFailure::Content(error)) => Err(Failure::of(folder.display(), error)),
+    }
+}
+
+/// Why a crown could not be read.
+enum CrownReadFailure {
+    File(FileError),
+    Content(CrownFolderError),
+}
+
+impl From<FileError> for CrownReadFailure {
+    fn from(error: FileError) -> Self {
+        Self::File(error)
+    }
+}
+
+impl From<CrownFolderError> for CrownReadFailure {
+    fn from(error: CrownFolderError) -> Self {
+        Self::Content(error)
     }
 }

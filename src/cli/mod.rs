@@ -13,9 +13,15 @@
 
 mod bench;
 mod clock;
+mod crown;
+mod cubemap;
 mod demo;
 mod exemplars;
+mod export;
+mod export_pages;
+mod export_tree;
 mod failure;
+mod inflate;
 mod input;
 mod inspect;
 mod items;
@@ -26,6 +32,7 @@ mod output;
 mod polygons;
 mod recolor;
 mod records;
+mod render;
 mod reporter;
 mod samples;
 mod segment;
@@ -68,11 +75,16 @@ enum Command {
     Table(table::Flags),
     Demo(demo::Flags),
     Samples(samples::Flags),
+    Inflate(inflate::Flags),
     Inspect(inspect::Flags),
     Segment(segment::Flags),
     Warp(warp::Flags),
     Recolor(recolor::Flags),
+    Render(render::Flags),
     Synthesize(synthesize::Flags),
+    Cubemap(cubemap::Flags),
+    Export(Box<export::Flags>),
+    Crown(crown::Flags),
     Bench(bench::Flags),
 }
 
@@ -84,11 +96,16 @@ impl Command {
             Self::Table(flags) => flags,
             Self::Demo(flags) => flags,
             Self::Samples(flags) => flags,
+            Self::Inflate(flags) => flags,
             Self::Inspect(flags) => flags,
             Self::Segment(flags) => flags,
             Self::Warp(flags) => flags,
             Self::Recolor(flags) => flags,
+            Self::Render(flags) => flags,
             Self::Synthesize(flags) => flags,
+            Self::Cubemap(flags) => flags,
+            Self::Export(flags) => flags.as_ref(),
+            Self::Crown(flags) => flags,
             Self::Bench(flags) => flags,
         }
     }

@@ -9,14 +9,16 @@ use super::session::Session;
 use super::vary_flags::{ColorsFlag, MapName, WeightRange};
 use super::{Job, Stages, items};
 use crate::base::{Digest, Hasher, Seed};
-use crate::raster::{Compression, encode_grey_png, encode_png};
+use crate::pipeline::tree_maps;
+use crate::raster::{Compression, Image, encode_grey_png, encode_png};
 use crate::segment::{Classical, grey_from_labels};
 use crate::variation::{
-    ChoiceSettings, Chosen, ExemplarSettings, Library, Palette, Shape, TreeMaker, chosen,
+    ChoiceSettings, Chosen, ExemplarSettings, Library, Palette, Shape, Tree, TreeMaker, chosen,
 };
 use clap::Args;
 use rayon::prelude::*;
 use serde_json::json;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Make new trees from a library of tree pictures
@@ -110,7 +112,7 @@ impl Flags {
             has_target: self.target.is_some(),
             count: self.count,
             like: self.like.clone(),
-            with_labels: self.maps.contains(&MapName::Labels),
+            maps: self.maps.iter().copied().collect(),
             sheet: self.sheet.clone(),
             settings: ExemplarSettings {
                 size: self.size,
@@ -136,7 +138,7 @@ pub(super) struct Vary {
     pub(super) has_target: bool,
     pub(super) count: u32,
     pub(super) like: Option<PathBuf>,
-    pub(super) with_labels: bool,
+    pub(super) maps: BTreeSet<MapName>,
     pub(super) sheet: Option<PathBuf>,
     pub(super) settings: ExemplarSettings,
     pub(super) choice: ChoiceSettings,
@@ -153,7 +155,7 @@ impl Vary {
     ) -> Result<(), Failure> {
         let outputs = Outputs {
             folder: out,
-            with_labels: self.with_labels,
+            maps: self.maps.clone(),
         };
         let ours = (0..self.count).filter(|i| session.options.shard.contains(u64::from(*i)));
         session
@@ -290,7 +292,7 @@ fn tree_name(index: u32) -> String {
 /// Where the files of a tree go.
 pub(super) struct Outputs<'a> {
     pub(super) folder: &'a Path,
-    pub(super) with_labels: bool,
+    pub(super) maps: BTreeSet<MapName>,
 }
 
 impl Outputs<'_> {
@@ -298,14 +300,14 @@ impl Outputs<'_> {
         self.folder.join(format!("{name}.png"))
     }
 
-    fn labels(&self, name: &str) -> PathBuf {
-        self.folder.join(format!("{name}.labels.png"))
+    fn map(&self, name: &str, map: MapName) -> PathBuf {
+        self.folder.join(format!("{name}.{}.png", map.name()))
     }
 
     /// All files of the tree `name`.
     pub(super) fn of(&self, name: &str) -> Vec<PathBuf> {
-        let labels = self.with_labels.then(|| self.labels(name));
-        std::iter::once(self.picture(name)).chain(labels).collect()
+        let maps = self.maps.iter().map(|map| self.map(name, *map));
+        std::iter::once(self.picture(name)).chain(maps).collect()
     }
 }
 
@@ -357,11 +359,32 @@ pub(super) fn make_tree(
     session
         .output
         .write_item(&outputs.picture(record.name()), png, digest)?;
-    if outputs.with_labels {
-        let png = encode_grey_png(&grey_from_labels(&tree.labels), Compression::Fast);
-        session
-            .output
-            .write_item(&outputs.labels(record.name()), png, digest)?;
+    write_maps(&tree, record, outputs, digest, session)
+}
+
+/// Writes the further pictures of a tree.
+fn write_maps(
+    tree: &Tree,
+    record: &TreeRecord,
+    outputs: &Outputs<'_>,
+    digest: Digest,
+    session: &Session<'_>,
+) -> Result<(), Failure> {
+    let shaped = outputs.maps.iter().any(|map| *map != MapName::Labels);
+    let maps = shaped.then(|| tree_maps(&tree.image, session.cancel));
+    let maps = maps.transpose()?;
+    for &name in &outputs.maps {
+        let grey = |image: &Image<u8>| encode_grey_png(image, Compression::Fast);
+        let png = match (name, &maps) {
+            (MapName::Normal, Some(maps)) => encode_png(&maps.normal, Compression::Fast),
+            (MapName::Depth, Some(maps)) => grey(&maps.depth),
+            (MapName::Ao, Some(maps)) => grey(&maps.ao),
+            (MapName::Translucency, Some(maps)) => grey(&maps.translucency),
+            _ => grey(&grey_from_labels(&tree.labels)),
+        };
+        session.cancel.check()?;
+        let path = outputs.map(record.name(), name);
+        session.output.write_item(&path, png, digest)?;
     }
     Ok(())
 }

@@ -41,7 +41,7 @@ pub(super) fn run(
     }
     let outputs = Outputs {
         folder: out,
-        with_labels: false,
+        maps: std::collections::BTreeSet::new(),
     };
     session.output.check(outputs.of(tree.name()))?;
     let folders = folders(flags, &record, file);

@@ -1,4 +1,57 @@
 //! Files that other programs take: one file a format. Functions here make bytes; who writes them to
 //! disk is the caller.
 //!
-//! Imports `base`, `raster`, `geometry`, `scene`.
+//! A picture of a tree becomes a [`Sprite`] (trimmed, bled, with its foot and its size in metres);
+//! from it come mip chains, block-compressed textures, atlas pages, cards and glTF files.
+//!
+//! Imports `base`, `raster`, `geometry`, `contour`, `crown`, `scene`.
+
+mod atlas;
+mod atlas_json;
+mod bleed;
+mod blocks;
+mod cards;
+mod crown_folder;
+mod crown_mesh;
+mod cutout;
+mod dds;
+mod gallery;
+mod glb;
+mod glb_file;
+mod ktx2_file;
+mod mips;
+mod obj;
+mod ply;
+mod preset;
+mod record;
+mod scatter;
+mod sprite;
+mod sprite_atlas;
+mod tree_model;
+
+pub use atlas::{AtlasLayout, atlas};
+pub use atlas_json::{AtlasSprite, atlas_json_array, atlas_json_hash};
+pub use bleed::{bled, bled_from};
+pub use blocks::{BlockFormat, compressed};
+pub use cards::{CardMesh, Flat, crossed};
+pub use crown_folder::{
+    CROWN_RECORD, CrownFolderError, CrownRecord, crown_file_names, crown_files, crown_from_files,
+};
+pub use crown_mesh::crown_glb;
+pub use cutout::{Cutout, cutout};
+pub use dds::encode_dds;
+pub use gallery::{GalleryTree, gallery_list, gallery_page, gallery_tree};
+pub use glb::{GlbError, MeshParts, glb};
+pub use glb_file::{Glb, Instance, Material, MeshId, NodeId};
+pub use ktx2_file::encode_ktx2;
+pub use mips::{ALPHA_CUTOFF, coverage, data_mips, mips, normal_mips};
+pub use obj::obj;
+pub use ply::{PlyError, decode_ply, encode_ply};
+pub use preset::{Preset, TextureStyle};
+pub use record::{CutoutRecord, LicenseRecord, PresetLibrary, PresetTree};
+pub use scatter::{ScatterSettings, scattered};
+pub use sprite::{Sprite, SpriteError, SpriteSettings};
+pub use sprite_atlas::{
+    AtlasError, AtlasSettings, PageContent, Placed, SpriteLayout, atlas_layout, atlas_page,
+};
+pub use tree_model::{Lod, TreeModel, WindChannels, tree_glb};

@@ -4,3 +4,14 @@
 //! the same inputs give the same bytes.
 //!
 //! Imports `base`, `raster`, `geometry`, `crown`, `synth`, `scene`.
+
+mod crown;
+mod frame;
+mod tree_maps;
+
+pub use crown::{
+    ColoredSurface, CrownError, CrownSettings, CrownShape, TRUNK_SHARE, colored_surface, crown,
+    crown_shape,
+};
+pub use frame::CrownFrame;
+pub use tree_maps::{DEPTH_SHARE, TreeMaps, tree_maps};

@@ -71,6 +71,10 @@ pub fn dilated(mask: &Mask, radius: u8) -> Mask {
 /// Number of the 8-connected component of each pixel that belongs: 1, 2, … in the order of their
 /// first pixel from the top; 0 where nothing belongs.
 pub fn labelled_components(mask: &Mask) -> Image<u32> {
+    if mask.pixels().len() == 1 {
+        // imageproc 0.27 panics here: it has room for as many labels as pixels, label 0 included.
+        return mask.map(|&inside| u32::from(inside));
+    }
     let labels = connected_components(&mask.gray_image(), Connectivity::Eight, image::Luma([0u8]));
     Image::from_pixels(mask.width(), mask.height(), labels.into_raw())
 }
@@ -157,6 +161,7 @@ mod tests {
         assert_eq!(labels.at(0, 0), labels.at(1, 1));
         let labels = labelled_components(&mask(&["#.#"]));
         assert_eq!(labels.pixels(), &[1, 0, 2]);
+        assert_eq!(labelled_components(&mask(&["#"])).pixels(), &[1]);
     }
 
     #[test]

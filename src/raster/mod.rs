@@ -7,10 +7,14 @@
 //!
 //! Imports `base`.
 
+mod blur;
+mod cube_envelope;
+mod cube_grid;
 mod cubemap;
 mod dds;
 mod decode;
 mod envelope;
+mod grey16;
 mod image;
 mod mask;
 mod palette_tiff;
@@ -19,7 +23,11 @@ mod rect;
 mod resample;
 mod write;
 
+pub use blur::smoothed_within;
+pub use cube_envelope::cube_upper_envelope;
+pub use cube_grid::{folded, smoothed_cubemap};
 pub use cubemap::{CubeFace, Cubemap};
+pub use grey16::{Grey16Error, decode_grey16_png, encode_grey16_png};
 pub use image::{Image, Premultiplied, Straight};
 pub use mask::{Mask, dilated, flooded_from_outside, labelled_components, opaque_bounds};
 pub use read::{

@@ -13,6 +13,15 @@ pub enum Compression {
     Small,
 }
 
+impl Compression {
+    pub(super) fn of_png(self) -> png::Compression {
+        match self {
+            Self::Fast => png::Compression::Fast,
+            Self::Small => png::Compression::High,
+        }
+    }
+}
+
 /// `image` as the bytes of an RGBA PNG file, marked as sRGB.
 pub fn encode_png(image: &Image<Straight>, compression: Compression) -> Vec<u8> {
     let bytes = Cow::Borrowed(bytemuck::cast_slice(image.pixels()));
@@ -49,10 +58,7 @@ fn encoded(
     encoder.set_color(color);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-    encoder.set_compression(match compression {
-        Compression::Fast => png::Compression::Fast,
-        Compression::Small => png::Compression::High,
-    });
+    encoder.set_compression(compression.of_png());
     let bug = "a Vec takes all bytes, and an image's pixels fill it";
     let mut writer = encoder.write_header().expect(bug);
     writer.write_image_data(&bytes).expect(bug);

@@ -3,4 +3,37 @@
 //! Source: O. Argudo, *Plausible reconstruction and rendering of semi-procedural landscapes*, 2014,
 //! chapter 5 ("the thesis" below).
 //!
-//! Imports `base`, `raster`, `geometry`, `scene`.
+//! Imports `base`, `raster`, `geometry`, `branches` (leaves, bark), `crown`, `scene`.
+
+mod ambient;
+mod color;
+pub mod cpu;
+mod error;
+mod frame;
+mod gpu;
+mod leaf_atlas;
+mod leaf_set;
+mod mesh;
+mod packed_cube;
+mod prepared;
+mod proxy;
+mod renderer;
+mod settings;
+mod shaders;
+mod surface;
+
+pub use error::RenderError;
+pub use frame::{CrownNumbers, Frame, InstanceNumbers, SceneView};
+pub use gpu::{Gpu, GpuRenderer};
+pub use leaf_atlas::LeafAtlas;
+pub use leaf_set::LeafSet;
+pub use mesh::{MeshVertex, PreparedMesh};
+pub use packed_cube::PackedCube;
+pub use prepared::PreparedCrown;
+pub use proxy::Proxy;
+pub use renderer::{Backend, Renderer};
+pub use settings::{
+    LeafClip, LeafSettings, Mode, Occlusion, ReliefSettings, RenderSettings, Shortcut,
+    SwitchSettings, View,
+};
+pub use shaders::Pass;

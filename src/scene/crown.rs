@@ -1,7 +1,7 @@
 //! A crown, ready to be drawn.
 
 use crate::geometry::Mesh;
-use crate::raster::{Cubemap, Straight};
+use crate::raster::{CubeFace, Cubemap, Straight};
 use glam::DVec3;
 
 /// The crown of a tree: how far it reaches and what it looks like in every direction from its
@@ -28,5 +28,26 @@ impl Crown {
         texels.fold((f32::INFINITY, 0.0), |(low, high), &radius| {
             (low.min(radius), high.max(radius))
         })
+    }
+
+    /// The middle of the whole tree, half-way between its base and its top above or below the
+    /// crown's centre, and the radius of a ball around it that holds the tree; metres.
+    pub fn tree_bounds(&self) -> (DVec3, f64) {
+        let mut points = vec![DVec3::ZERO];
+        let size = self.radius_m.size();
+        let place = |i: usize| (2.0 * i as f64 + 1.0) / f64::from(size) - 1.0;
+        for face in CubeFace::ALL {
+            for (i, &radius) in self.radius_m.face(face).pixels().iter().enumerate() {
+                let (x, y) = (i % size as usize, i / size as usize);
+                let direction = face.direction(place(x), place(y)).normalize();
+                points.push(self.center_m + direction * f64::from(radius));
+            }
+        }
+        let heights = points.iter().map(|point| point.y);
+        let (low, high) =
+            heights.fold((0.0f64, 0.0f64), |(low, high), y| (low.min(y), high.max(y)));
+        let middle = DVec3::new(self.center_m.x, 0.5 * (low + high), self.center_m.z);
+        let distances = points.iter().map(|point| point.distance_squared(middle));
+        (middle, distances.fold(0.0, f64::max).sqrt())
     }
 }

@@ -5,6 +5,14 @@
 //!
 //! Imports `base`, `raster`, `geometry`.
 
+mod camera;
 mod crown;
+mod instance;
+mod light;
+mod trunk;
 
+pub use camera::{Camera, ViewAxes};
 pub use crown::Crown;
+pub use instance::CrownInstance;
+pub use light::{Backdrop, Light};
+pub use trunk::Trunk;

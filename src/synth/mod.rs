@@ -11,26 +11,38 @@
 //! the whole exemplar (Wei & Levoy 2000) but carried along as coordinates and corrected (Lefebvre &
 //! Hoppe 2005), which takes a second instead of three quarters of an hour.
 //!
-//! Imports `base`, `raster`, `solve`, `crown`.
+//! Imports `base`, `raster`, `geometry`, `solve`.
 
+mod assembly;
 mod canvas;
+mod cube_seam;
+mod cubemap;
+mod edge_statistic;
 mod exemplar;
 mod flatten;
 mod foliage;
 mod level;
 mod patches;
+mod photo_front;
 mod refine;
 mod seam;
 mod similar;
 mod statistics;
 mod texture;
 mod unique;
+mod wrapping;
 
+pub use assembly::{Lattice, LatticeSize, assembled};
 pub use canvas::Known;
+pub use cube_seam::cube_seam;
+pub use cubemap::{CubemapSettings, FoliageCubemap, extent_of, foliage_cubemap};
+pub use edge_statistic::{EdgeStatistic, edge_statistic};
 pub use exemplar::{Exemplar, ExemplarSettings, FEWEST_PIXELS, MOST_LEVELS};
+pub use photo_front::{CrownSurface, with_photo_front};
 pub use seam::{Seam, Side, StepCost, seam};
 pub use statistics::{patch_distance, repeated_share};
 pub use texture::{SynthesisSettings, Texture, texture, texture_around};
+pub use wrapping::{Extent, Wrapping, wrapped};
 
 use crate::base::Cancelled;
 

@@ -1,8 +1,7 @@
-//! `boscage bench`: how long the main pieces of work take here, beside what others need.
+//! Measurements of new trees from tree pictures.
 
-use super::failure::Failure;
-use super::session::Session;
-use super::{Job, Stages};
+use super::super::failure::Failure;
+use super::row::{Baseline, Row, measured};
 use crate::base::{Cancel, Progress, Seed};
 use crate::branches::samples;
 use crate::geometry::Point;
@@ -12,20 +11,8 @@ use crate::variation::{
     Exemplar, ExemplarError, ExemplarSettings, Histogram, Layout, Source, Transfer, WarpPrecision,
     synthesized,
 };
-use clap::Args;
-use serde_json::{Value, json};
 use std::hint::black_box;
-use std::io::Write as _;
 use std::path::Path;
-use std::time::{Duration, Instant};
-
-/// Measure how fast this machine makes trees
-///
-/// Times the main pieces of work on the built-in samples, each at least seven times, and prints them
-/// beside their targets and what others need.
-#[derive(Debug, Args)]
-#[command(after_help = "Example: boscage bench --json")]
-pub(super) struct Flags {}
 
 /// The samples that are mixed.
 const PAIR: [&str; 2] = ["oak", "linden"];
@@ -33,24 +20,9 @@ const PAIR: [&str; 2] = ["oak", "linden"];
 /// Holes of the picture that is hardest to prepare.
 const HOLES: usize = 5_000;
 
-/// Runs of a measurement at least, after one that is not counted.
-const FEWEST_RUNS: usize = 7;
-
-/// Runs of a measurement at most.
-const MOST_RUNS: usize = 100;
-
-/// How long a measurement goes on when it has its fewest runs.
-const LONG_ENOUGH: Duration = Duration::from_millis(700);
-
 /// Points that are mapped in double precision, and pixels of a tree for which they stand.
 const EXACT_POINTS: usize = 2_000;
 const TREE_PIXELS: f64 = 530_000.0;
-
-/// What others need for a piece of work.
-struct Baseline {
-    what: &'static str,
-    ms: f64,
-}
 
 const PAPER_TREE: Baseline = Baseline {
     what: "Tree Variations (2017): 8 to 12 s a tree",
@@ -69,44 +41,8 @@ const PLAIN_KERNEL: Baseline = Baseline {
     ms: 25.0,
 };
 
-/// One measurement.
-struct Row {
-    name: &'static str,
-    median_ms: f64,
-    min_ms: f64,
-    runs: usize,
-    target_ms: Option<f64>,
-    baseline: Option<Baseline>,
-}
-
-impl Job for Flags {
-    fn stages(&self) -> Stages {
-        &[("bench", 1.0)]
-    }
-
-    fn run(&self, session: &Session<'_>) -> Result<(), Failure> {
-        let stage = session.progress.stage("bench", 1);
-        let rows = rows(session.cancel)?;
-        drop(stage);
-        if session.options.json {
-            return session.print_json(|| {
-                json!({"results": rows.iter().map(Row::json).collect::<Vec<_>>(), "machine": machine()})
-            });
-        }
-        let mut table = format!(
-            "{:<34} {:>10} {:>10} {:>10} {:>8}  baseline\n",
-            "ms", "median", "min", "target", "ratio"
-        );
-        for row in &rows {
-            table.push_str(&row.line());
-        }
-        write!(std::io::stdout(), "{table}")
-            .map_err(|error| Failure::Environment(format!("stdout: cannot be written: {error}")))
-    }
-}
-
 /// All measurements.
-fn rows(cancel: &Cancel) -> Result<Vec<Row>, Failure> {
+pub(super) fn rows(cancel: &Cancel) -> Result<Vec<Row>, Failure> {
     let pictures = PAIR.map(picture);
     let [Some(first), Some(second)] = pictures else {
         return Err(Failure::Environment("a built-in sample is missing".into()));
@@ -197,94 +133,6 @@ fn exact_row(layout: &Layout, cancel: &Cancel) -> Result<Row, Failure> {
     row.median_ms *= scale;
     row.min_ms *= scale;
     Ok(row.against(CGAL))
-}
-
-/// Times `work`.
-fn measured<E: Into<Failure>>(
-    name: &'static str,
-    cancel: &Cancel,
-    mut work: impl FnMut() -> Result<(), E>,
-) -> Result<Row, Failure> {
-    work().map_err(Into::into)?;
-    let begin = Instant::now();
-    let mut times = Vec::new();
-    while times.len() < FEWEST_RUNS || (times.len() < MOST_RUNS && begin.elapsed() < LONG_ENOUGH) {
-        cancel.check()?;
-        let start = Instant::now();
-        work().map_err(Into::into)?;
-        times.push(start.elapsed().as_secs_f64() * 1e3);
-    }
-    times.sort_by(f64::total_cmp);
-    Ok(Row {
-        name,
-        median_ms: times[times.len() / 2],
-        min_ms: times[0],
-        runs: times.len(),
-        target_ms: None,
-        baseline: None,
-    })
-}
-
-impl Row {
-    fn target(self, ms: f64) -> Self {
-        Self {
-            target_ms: Some(ms),
-            ..self
-        }
-    }
-
-    fn against(self, baseline: Baseline) -> Self {
-        Self {
-            baseline: Some(baseline),
-            ..self
-        }
-    }
-
-    /// How many times longer the baseline takes.
-    fn ratio(&self) -> Option<f64> {
-        self.baseline.as_ref().map(|b| b.ms / self.median_ms)
-    }
-
-    fn json(&self) -> Value {
-        let baseline = self
-            .baseline
-            .as_ref()
-            .map(|b| json!({"what": b.what, "ms": b.ms}));
-        json!({
-            "name": self.name,
-            "median_ms": self.median_ms,
-            "min_ms": self.min_ms,
-            "runs": self.runs,
-            "target_ms": self.target_ms,
-            "baseline": baseline,
-            "ratio": self.ratio(),
-        })
-    }
-
-    fn line(&self) -> String {
-        let number = |value: Option<f64>, decimals: usize| {
-            value.map_or_else(String::new, |value| format!("{value:.decimals$}"))
-        };
-        format!(
-            "{:<34} {:>10.2} {:>10.2} {:>10} {:>8}  {}\n",
-            self.name,
-            self.median_ms,
-            self.min_ms,
-            number(self.target_ms, 0),
-            number(self.ratio(), 1),
-            self.baseline.as_ref().map_or("", |b| b.what),
-        )
-    }
-}
-
-fn machine() -> Value {
-    json!({
-        "cores": std::thread::available_parallelism().map_or(1, usize::from),
-        "threads": rayon::current_num_threads(),
-        "arch": std::env::consts::ARCH,
-        "os": std::env::consts::OS,
-        "optimized": !cfg!(debug_assertions),
-    })
 }
 
 /// The picture of the built-in sample of this name.

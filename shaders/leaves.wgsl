@@ -1,0 +1,203 @@
+// The leaf crown (thesis 5.2); src/render/cpu/leaves.rs is its twin.
+//
+// Six corners a leaf, all leaves of a crown in one instance. Leaves are parallel to the picture's
+// plane: each is a square on the screen with one depth.
+
+// Points of the unit ball, best prefix first, in rows of 64.
+@group(2) @binding(0) var points: texture_2d<f32>;
+// Layer: twig. Shade and coverage.
+@group(2) @binding(1) var atlas: texture_2d_array<f32>;
+
+struct Crown {
+    @location(1) center: vec3<f32>,
+    @location(2) scale: f32,
+    @location(3) turn: vec2<f32>,
+    @location(4) fade: f32,
+    @location(5) dither: u32,
+    @location(6) tint: vec3<f32>,
+}
+
+struct Leaf {
+    @builtin(position) clip: vec4<f32>,
+    // Centre and half the side, samples; level of the twig's picture.
+    @location(0) @interpolate(flat) place: vec4<f32>,
+    @location(1) @interpolate(flat) spin: vec2<f32>,
+    @location(2) @interpolate(flat) ids: vec3<u32>,
+    // Linear colour; share of the light from all around.
+    @location(3) @interpolate(flat) albedo: vec4<f32>,
+    // Normal of the crown, world; share of the sun.
+    @location(4) @interpolate(flat) normal: vec4<f32>,
+    // From the centre of the crown, in its frame; metres for a sample.
+    @location(5) @interpolate(flat) point: vec4<f32>,
+    @location(6) @interpolate(flat) turn: vec2<f32>,
+    @location(7) @interpolate(flat) fade: f32,
+}
+
+// Share of the leaves that are growing.
+const GROWING: f32 = 0.15;
+const DEEPEST: f32 = 0.62;
+const DRAWN_BACK: f32 = 0.42;
+const SPREAD: f32 = 0.55;
+
+fn nothing() -> Leaf {
+    var leaf: Leaf;
+    // Behind the eye: no corner of it is drawn.
+    leaf.clip = vec4(0.0, 0.0, -1.0, 1.0);
+    return leaf;
+}
+
+@vertex
+fn corner(@builtin(vertex_index) vertex: u32, in: Crown) -> Leaf {
+    let index = vertex / 6u;
+    let eye = local_from_world(in.turn, frame.eye - in.center) * (1.0 / in.scale);
+    let radius_samples = radius_in_samples(eye);
+    let size = textureDimensions(points);
+    let wanted = clamp(
+        radius_samples * frame.leaves_a_sample,
+        frame.least_leaves,
+        frame.most_leaves,
+    );
+    let count = min(wanted, f32(frame.point_count));
+    if f32(index) >= count || in.fade <= 0.0 {
+        return nothing();
+    }
+    let ball = textureLoad(points, vec2(index % size.x, index / size.x), 0).xyz;
+    let salt = hash(index ^ in.dither);
+    let grown = clamp((count - f32(index)) / (GROWING * count), 0.0, 1.0);
+    let vary = 0.8 + 0.4 * hashed(salt ^ 1u);
+    let half_m = frame.leaf_size * crown.mean_radius * grown * vary / sqrt(count);
+    let share = sqrt(dot(ball, ball));
+    let direction = ball * (1.0 / max(share, 1e-6));
+    let shape_level = max(crown.radius_levels, 4u) - 4u;
+    let reach = radius_at(direction, shape_level);
+    var point = ball * crown.radius_range.y;
+    if frame.leaf_clip == 0u {
+        let out = reach * (DEEPEST + (1.0 - DEEPEST) * share) - DRAWN_BACK * half_m;
+        point = direction * max(out, 0.0);
+    }
+    let depth_share = sqrt(dot(point, point)) / reach;
+    if depth_share > 1.0 && frame.leaf_clip == 1u && depth_share * reach - half_m * 1.5 > reach {
+        return nothing();
+    }
+    let seen = in.center + world_from_local(in.turn, point) * in.scale - frame.eye;
+    let away = dot(seen, frame.forward);
+    if away <= frame.near || half_m <= 0.0 {
+        return nothing();
+    }
+    let metres = away * frame.sample_size;
+    let half_side = half_m * in.scale / metres;
+    let across = dot(seen, frame.right) / (away * frame.tan_x);
+    let upward = dot(seen, frame.up) / (away * frame.tan_y);
+    let angle = hashed(salt ^ 2u) * 6.2831853;
+    let surface = surface_at(direction, max(crown.surface_levels, 3u) - 3u);
+    // Shade is that of the surface above the leaf: within the crown nothing would be lit.
+    let normal_local = normal_at(direction, shape_level);
+    let above = direction * reach + normal_local * (0.05 * crown.mean_radius);
+    let inside = clamp(depth_share - 0.45, 0.0, 0.45) / 0.45;
+    let bright = 0.85 + 0.3 * hashed(salt ^ 3u);
+    let texels = 128.0 / max(2.0 * half_side, 1.0);
+    let level = min(log2(max(texels, 1.0)), f32(textureNumLevels(atlas) - 1u));
+    let place = vec2((across + 1.0) * 0.5 * frame.size.x, (1.0 - upward) * 0.5 * frame.size.y);
+    let toward_sun = local_from_world(in.turn, frame.toward_sun);
+    var out: Leaf;
+    out.place = vec4(place, half_side, level);
+    out.spin = vec2(cos(angle), sin(angle));
+    out.ids = vec3(salt % textureNumLayers(atlas), salt, in.dither);
+    out.albedo = vec4(surface.rgb * in.tint * bright, surface.a * (0.35 + 0.65 * inside));
+    out.normal = vec4(
+        world_from_local(in.turn, normal_local),
+        sunlit_at(above, toward_sun, shape_level) * (0.25 + 0.75 * inside),
+    );
+    out.point = vec4(point, metres / in.scale);
+    out.turn = in.turn;
+    out.fade = in.fade;
+    out.clip = corner_of(vertex % 6u, place, half_side, away);
+    return out;
+}
+
+// A corner of a square on the screen, in clip coordinates.
+fn corner_of(index: u32, place: vec2<f32>, half_side: f32, away: f32) -> vec4<f32> {
+    let right = index == 1u || index == 2u || index == 4u;
+    let below = index == 2u || index == 4u || index == 5u;
+    let side = vec2(select(-1.0, 1.0, right), select(-1.0, 1.0, below));
+    let at = (place + side * half_side) / frame.size * 2.0 - vec2(1.0);
+    return vec4(at.x * away, -at.y * away, frame.near, away);
+}
+
+// Shade and coverage of a twig, bilinear; clear outside.
+fn twig_at(twig: u32, level: u32, u: f32, v: f32) -> vec2<f32> {
+    let size = f32(textureDimensions(atlas, level).x);
+    let at = vec2(u * size - 0.5, v * size - 0.5);
+    let corner = floor(at);
+    let share = at - corner;
+    let a = twig_texel(twig, level, corner);
+    let b = twig_texel(twig, level, corner + vec2(1.0, 0.0));
+    let c = twig_texel(twig, level, corner + vec2(0.0, 1.0));
+    let d = twig_texel(twig, level, corner + vec2(1.0, 1.0));
+    let upper = a + (b - a) * share.x;
+    let lower = c + (d - c) * share.x;
+    return upper + (lower - upper) * share.y;
+}
+
+fn twig_texel(twig: u32, level: u32, at: vec2<f32>) -> vec2<f32> {
+    let size = f32(textureDimensions(atlas, level).x);
+    if any(at < vec2(0.0)) || any(at >= vec2(size)) {
+        return vec2(128.0 / 255.0, 0.0);
+    }
+    return textureLoad(atlas, vec2<u32>(at), twig, level).xy;
+}
+
+@fragment
+fn sample(leaf: Leaf) -> @location(0) vec4<f32> {
+    let place = leaf.clip.xy;
+    let half_side = leaf.place.z;
+    let level = leaf.place.w;
+    let across = (place.x - leaf.place.x) / half_side;
+    let down = (place.y - leaf.place.y) / half_side;
+    if abs(across) > 1.0 || abs(down) > 1.0 || pattern(place, leaf.ids.z) >= leaf.fade {
+        discard;
+    }
+    let u = 0.5 + 0.5 * (leaf.spin.x * across - leaf.spin.y * down);
+    let v = 0.5 + 0.5 * (leaf.spin.y * across + leaf.spin.x * down);
+    let whole = u32(level);
+    let near = twig_at(leaf.ids.x, whole, u, v);
+    let far = twig_at(leaf.ids.x, min(whole + 1u, textureNumLevels(atlas) - 1u), u, v);
+    let twig = near + (far - near) * (level - f32(whole));
+    // Sharp edges where a leaf's texels are large, noise where they are smaller than a sample.
+    let noise = (pattern(place, leaf.ids.y) - 0.5) * 0.8 * min(level, 1.0);
+    if twig.y < 0.5 + noise {
+        discard;
+    }
+    let aside = frame.right * across - frame.up * down;
+    if frame.leaf_clip == 1u {
+        let metres = leaf.point.w;
+        let point = leaf.point.xyz + local_from_world(leaf.turn, aside) * (half_side * metres);
+        let samples = crown.radius_range.y / metres;
+        let radius_level = u32(level_for(crown.radius_size, crown.radius_levels, samples));
+        if sqrt(dot(point, point)) > radius_at(point, radius_level) {
+            discard;
+        }
+    }
+    let bent = leaf.normal.xyz + aside * SPREAD;
+    let normal = bent * (1.0 / sqrt(dot(bent, bent)));
+    switch frame.view {
+        case 0u: {}
+        case 2u: {
+            return vec4(normal * 0.5 + vec3(0.5), 1.0);
+        }
+        case 3u: {
+            return vec4(vec3(1.0 / (1.0 + frame.near / leaf.clip.z)), 1.0);
+        }
+        default: {
+            return vec4(0.0, 0.0, 0.0, 1.0);
+        }
+    }
+    var lit: Lit;
+    lit.albedo = leaf.albedo.rgb * (twig.x * (255.0 / 128.0));
+    lit.normal = normal;
+    lit.open = leaf.albedo.a;
+    lit.sunlit = leaf.normal.w;
+    lit.height = 0.5 + 0.5 * leaf.point.y / crown.radius_range.y;
+    lit.depth = 1.0;
+    return vec4(shaded(lit), 1.0);
+}

@@ -1,0 +1,47 @@
+// From light to a picture; src/render/cpu/tone.rs is its twin.
+
+// Light of the samples, premultiplied by coverage.
+@group(1) @binding(0) var samples: texture_2d<f32>;
+
+@vertex
+fn corner(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
+    let x = f32((index << 1u) & 2u);
+    let y = f32(index & 2u);
+    return vec4(2.0 * x - 1.0, 1.0 - 2.0 * y, 0.0, 1.0);
+}
+
+// Narkowicz's fit of the ACES curve.
+fn filmic(light: vec3<f32>) -> vec3<f32> {
+    let x = light * 0.72;
+    let curve = (x * (2.51 * x + 0.03)) / (x * (2.43 * x + 0.59) + 0.14);
+    return clamp(curve, vec3(0.0), vec3(1.0));
+}
+
+fn srgb(linear: vec3<f32>) -> vec3<f32> {
+    let value = clamp(linear, vec3(0.0), vec3(1.0));
+    let curved = 1.055 * pow(value, vec3(1.0 / 2.4)) - 0.055;
+    return select(curved, value * 12.92, value <= vec3(0.0031308));
+}
+
+// The pixel's colour as sRGB values, and its alpha, straight.
+@fragment
+fn sample(@builtin(position) place: vec4<f32>) -> @location(0) vec4<f32> {
+    let pixel = vec2<u32>(place.xy);
+    var light = vec3(0.0);
+    var coverage = 0.0;
+    for (var y = 0u; y < frame.fineness; y++) {
+        for (var x = 0u; x < frame.fineness; x++) {
+            let at = pixel * frame.fineness + vec2(x, y);
+            // Samples are clear or opaque, so premultiplied light is light.
+            let one = textureLoad(samples, at, 0);
+            let curved = filmic(one.rgb * frame.exposure);
+            light += select(clamp(one.rgb, vec3(0.0), vec3(1.0)), curved, frame.view == 0u);
+            coverage += one.a;
+        }
+    }
+    if coverage == 0.0 {
+        return vec4(0.0);
+    }
+    let count = f32(frame.fineness * frame.fineness);
+    return vec4(srgb(light / coverage), coverage / count);
+}

@@ -1,0 +1,90 @@
+//! `boscage bench`: how long the main pieces of work take here, beside what others need.
+
+mod crown;
+mod row;
+mod variation;
+
+use super::failure::Failure;
+use super::session::Session;
+use super::{Job, Stages};
+use crate::base::Cancel;
+use clap::{Args, ValueEnum};
+use row::Row;
+use serde_json::{Value, json};
+use std::io::Write as _;
+
+/// Measure how fast this machine makes trees
+///
+/// Times the main pieces of work on the built-in samples, each at least seven times, and prints them
+/// beside their targets and what others need.
+#[derive(Debug, Args)]
+#[command(after_help = "Example: boscage bench crown --json")]
+pub(super) struct Flags {
+    /// What to measure [default: everything]
+    #[arg(value_enum, value_name = "TOPIC")]
+    topic: Option<Topic>,
+}
+
+/// A group of measurements.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Topic {
+    /// New trees from tree pictures
+    Variation,
+    /// A crown from a photograph
+    Crown,
+}
+
+impl Topic {
+    const ALL: [Self; 2] = [Self::Variation, Self::Crown];
+
+    fn rows(self, cancel: &Cancel) -> Result<Vec<Row>, Failure> {
+        match self {
+            Self::Variation => variation::rows(cancel),
+            Self::Crown => crown::rows(cancel),
+        }
+    }
+}
+
+impl Job for Flags {
+    fn stages(&self) -> Stages {
+        &[("bench", 1.0)]
+    }
+
+    fn run(&self, session: &Session<'_>) -> Result<(), Failure> {
+        let topics = match self.topic {
+            Some(topic) => vec![topic],
+            None => Topic::ALL.to_vec(),
+        };
+        let stage = session.progress.stage("bench", topics.len() as u64);
+        let mut rows = Vec::new();
+        for topic in topics {
+            rows.extend(topic.rows(session.cancel)?);
+            stage.advance();
+        }
+        drop(stage);
+        if session.options.json {
+            return session.print_json(|| {
+                json!({"results": rows.iter().map(Row::json).collect::<Vec<_>>(), "machine": machine()})
+            });
+        }
+        let mut table = format!(
+            "{:<38} {:>10} {:>10} {:>10} {:>8}  baseline\n",
+            "ms", "median", "min", "target", "ratio"
+        );
+        for row in &rows {
+            table.push_str(&row.line());
+        }
+        write!(std::io::stdout(), "{table}")
+            .map_err(|error| Failure::Environment(format!("stdout: cannot be written: {error}")))
+    }
+}
+
+fn machine() -> Value {
+    json!({
+        "cores": std::thread::available_parallelism().map_or(1, usize::from),
+        "threads": rayon::current_num_threads(),
+        "arch": std::env::consts::ARCH,
+        "os": std::env::consts::OS,
+        "optimized": !cfg!(debug_assertions),
+    })
+}

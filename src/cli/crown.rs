@@ -1,0 +1,281 @@
+//! `boscage crown`: a photograph and the mask of its crown → a crown to be drawn.
+
+use super::failure::Failure;
+use super::input::{PictureFile, mask_from};
+use super::output::recipe;
+use super::session::Session;
+use super::{Job, Stages};
+use crate::base::{Digest, Seed, read_limited};
+use crate::crown::Tangent;
+use crate::export::{CROWN_RECORD, CrownRecord, crown_file_names, crown_files};
+use crate::pipeline::{CrownError, CrownSettings, crown};
+use clap::Args;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+/// Make a crown in three dimensions from one photograph
+///
+/// Writes a folder: crown.json, the colour, height and radius of the crown as cubemaps
+/// (color_px.png … radius_nz.png), its base mesh, and crown.glb, a textured mesh for other programs.
+#[derive(Debug, Args)]
+#[command(after_help = "Example: boscage crown oak.jpg --mask oak.mask.png --out oak-crown")]
+pub(super) struct Flags {
+    /// The photograph
+    #[arg(required_unless_present = "recipe", value_name = "PHOTO")]
+    photo: Option<PathBuf>,
+    /// Its crown: white (or opaque) where it is
+    #[arg(long, required_unless_present = "recipe", value_name = "MASK")]
+    mask: Option<PathBuf>,
+    /// Make the crown of a crown.json again, from the same files
+    #[arg(long, value_name = "crown.json", conflicts_with_all = ["photo", "mask", "k", "photo_front", "relief", "size", "copies", "height", "trunk_height"])]
+    recipe: Option<PathBuf>,
+    /// How steeply the crown leaves its silhouette: a number or a formula in i and j, 0 … 1 from left
+    /// and top of the crown [default: so that it is as deep as it is wide]
+    #[arg(long, value_name = "EXPR", allow_hyphen_values = true)]
+    k: Option<String>,
+    /// Keep the photograph on the front and let the rest grow out of it
+    #[arg(long)]
+    photo_front: bool,
+    /// How far the relief moves the surface, as a share of the radius [default: 0.35]
+    #[arg(long, value_name = "RHO")]
+    relief: Option<f64>,
+    /// Texels along a face of the cubemaps [default: 256]
+    #[arg(long, value_name = "N")]
+    size: Option<u32>,
+    /// Copies turned about the trunk, for crowns that would be flat from the side [default: 1]
+    #[arg(long, value_name = "N")]
+    copies: Option<u32>,
+    /// Height of the crown [default: 10]
+    #[arg(long, value_name = "METRES")]
+    height: Option<f64>,
+    /// Height of the bare trunk below it [default: a fifth of the crown's]
+    #[arg(long, value_name = "METRES")]
+    trunk_height: Option<f64>,
+}
+
+/// What a crown was made from; stands in its `crown.json` as `recipe`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct Recipe {
+    photo: String,
+    photo_digest: String,
+    mask: String,
+    mask_digest: String,
+    seed: u64,
+    settings: CrownSettings,
+}
+
+impl Job for Flags {
+    fn stages(&self) -> Stages {
+        &[
+            ("read", 1.0),
+            ("shape", 4.0),
+            ("foliage", 20.0),
+            ("relief", 1.0),
+            ("write", 2.0),
+        ]
+    }
+
+    fn run(&self, session: &Session<'_>) -> Result<(), Failure> {
+        let folder = session.options.out()?;
+        if !session.options.shard.contains(0) {
+            return session.print_json(|| json!({"output": null, "seconds": session.seconds()}));
+        }
+        let paths: Vec<PathBuf> = crown_file_names().iter().map(|n| folder.join(n)).collect();
+        session.output.check(&paths)?;
+        let stage = session.progress.stage("read", 2);
+        let inputs = self.inputs(session)?;
+        stage.advance();
+        drop(stage);
+        let digest = inputs.recipe.digest();
+        let record = kept(session, folder, &paths, digest);
+        let is_kept = record.is_some();
+        let record = match record {
+            Some(record) => record,
+            None => inputs.made(session, folder, digest)?,
+        };
+        session.print_json(|| {
+            json!({
+                "output": folder.display().to_string(),
+                "kept": is_kept,
+                "size": record.size,
+                "center_m": record.center_m,
+                "radius_min_m": record.radius_min_m,
+                "radius_max_m": record.radius_max_m,
+                "seconds": session.seconds(),
+            })
+        })
+    }
+}
+
+/// The files of a crown, read, and all that is to be done with them.
+struct Inputs {
+    photo: PictureFile,
+    mask: PictureFile,
+    recipe: Recipe,
+}
+
+impl Flags {
+    /// Reads the inputs, as typed or as a record tells.
+    fn inputs(&self, session: &Session<'_>) -> Result<Inputs, Failure> {
+        if let Some(path) = &self.recipe {
+            return inputs_again(path);
+        }
+        let missing = |name| Failure::of(name, "is needed by this command");
+        let photo_path = self.photo.as_ref().ok_or_else(|| missing("PHOTO"))?;
+        let mask_path = self.mask.as_ref().ok_or_else(|| missing("--mask MASK"))?;
+        let settings = self.settings()?;
+        let bad = |error| Failure::BadInput(format!("{error}"));
+        settings.check().map_err(bad)?;
+        let photo = PictureFile::read(photo_path)?;
+        let mask = PictureFile::read(mask_path)?;
+        let recipe = Recipe {
+            photo: photo_path.display().to_string(),
+            photo_digest: photo.digest().to_string(),
+            mask: mask_path.display().to_string(),
+            mask_digest: mask.digest().to_string(),
+            seed: session.options.seed,
+            settings,
+        };
+        Ok(Inputs {
+            photo,
+            mask,
+            recipe,
+        })
+    }
+
+    fn settings(&self) -> Result<CrownSettings, Failure> {
+        let default = CrownSettings::default();
+        let k = self.k.as_deref().map(Tangent::parse).transpose();
+        Ok(CrownSettings {
+            size: self.size.unwrap_or(default.size),
+            k: k.map_err(|error| Failure::of("--k", error))?,
+            photo_front: self.photo_front,
+            copies: self.copies.unwrap_or(default.copies),
+            rho: self.relief.unwrap_or(default.rho),
+            height_m: self.height.unwrap_or(default.height_m),
+            trunk_height_m: self.trunk_height,
+            ..default
+        })
+    }
+}
+
+/// The inputs that the `crown.json` at `path` names, which must not have changed.
+fn inputs_again(path: &Path) -> Result<Inputs, Failure> {
+    let failed = |reason: String| Failure::of(path.display(), reason);
+    let record = record_at(path)?;
+    let recipe: Recipe = serde_json::from_value(record.recipe)
+        .map_err(|error| failed(format!("its recipe is not known: {error}")))?;
+    recipe
+        .settings
+        .check()
+        .map_err(|error| failed(error.to_string()))?;
+    let read = |file: &str, digest: &str| {
+        let file = PictureFile::read(Path::new(file))?;
+        if file.digest().to_string() == digest {
+            Ok(file)
+        } else {
+            Err(Failure::of(
+                file.path().display(),
+                "is not the file that the crown was made from",
+            ))
+        }
+    };
+    let photo = read(&recipe.photo, &recipe.photo_digest)?;
+    let mask = read(&recipe.mask, &recipe.mask_digest)?;
+    Ok(Inputs {
+        photo,
+        mask,
+        recipe,
+    })
+}
+
+/// The record in a `crown.json`.
+fn record_at(path: &Path) -> Result<CrownRecord, Failure> {
+    /// Far more than any record.
+    const LARGEST_BYTES: u64 = 1 << 24;
+    let bytes = read_limited(path, LARGEST_BYTES)?;
+    CrownRecord::read(&bytes).map_err(|error| Failure::of(path.display(), error))
+}
+
+impl Recipe {
+    /// The digest of all that goes into the files; where the inputs lie has no part in it.
+    fn digest(&self) -> Digest {
+        let settings = serde_json::to_vec(&self.settings)
+            .unwrap_or_else(|_| unreachable!("settings hold numbers only"));
+        recipe("crown")
+            .with(self.photo_digest.as_bytes())
+            .with(self.mask_digest.as_bytes())
+            .with(&self.seed.to_le_bytes())
+            .with(&settings)
+            .finish()
+    }
+}
+
+/// The record of the crown in `folder` when `--resume` was given and it is what would be made.
+fn kept(
+    session: &Session<'_>,
+    folder: &Path,
+    paths: &[PathBuf],
+    digest: Digest,
+) -> Option<CrownRecord> {
+    let is_picture = |path: &&PathBuf| path.extension().is_some_and(|ending| ending == "png");
+    let pictures = paths.iter().filter(is_picture);
+    let ready = pictures
+        .clone()
+        .all(|path| session.output.is_ready(path, digest));
+    if !ready || !paths.iter().all(|path| path.is_file()) {
+        return None;
+    }
+    let record = record_at(&folder.join(CROWN_RECORD)).ok()?;
+    let recipe: Recipe = serde_json::from_value(record.recipe.clone()).ok()?;
+    (recipe.digest() == digest).then_some(record)
+}
+
+impl Inputs {
+    /// Makes the crown and writes it: nothing before all of it is there, the record last.
+    fn made(
+        &self,
+        session: &Session<'_>,
+        folder: &Path,
+        digest: Digest,
+    ) -> Result<CrownRecord, Failure> {
+        let photo = self.photo.decoded()?;
+        let mask = mask_from(&self.mask.decoded()?);
+        let seed = Seed(self.recipe.seed);
+        let settings = &self.recipe.settings;
+        let made = crown(
+            &photo,
+            &mask,
+            settings,
+            seed,
+            session.progress,
+            session.cancel,
+        );
+        let crown = made.map_err(|error| self.failure(&error))?;
+        let recipe: Value = json!(self.recipe);
+        let stage = session.progress.stage("write", 2);
+        let record = CrownRecord::new(&crown, recipe.clone());
+        let files = crown_files(&crown, recipe)
+            .map_err(|error| Failure::of(self.photo.path().display(), error))?;
+        stage.advance();
+        session.cancel.check()?;
+        for (name, bytes) in files {
+            session
+                .output
+                .write_item(&folder.join(name), bytes, digest)?;
+        }
+        stage.advance();
+        Ok(record)
+    }
+
+    fn failure(&self, error: &CrownError) -> Failure {
+        match error {
+            error if error.is_cancelled() => Failure::Cancelled,
+            CrownError::Synthesis(_) => Failure::of(self.photo.path().display(), error),
+            CrownError::Setting(_) => Failure::BadInput(error.to_string()),
+            CrownError::Tangent(_) => Failure::of("--k", error),
+            _ => Failure::of(self.mask.path().display(), error),
+        }
+    }
+}

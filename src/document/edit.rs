@@ -1,0 +1,160 @@
+//! What can be done to a project.
+
+use super::content::{Content, LONGEST_NAME, Photo, PhotoId, State};
+use super::settings::{CrownSettings, VariationSettings};
+use crate::base::Digest;
+use crate::paint::{BACKGROUND, TiledMask};
+use std::sync::Arc;
+
+/// One change. Several make a transaction.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Edit {
+    /// Gives the project another title.
+    SetTitle(String),
+    /// Adds a photograph; its number is the state's `next_photo` before.
+    AddPhoto {
+        /// Name for people.
+        name: String,
+        /// The bytes of the file, whatever format they are in.
+        bytes: Arc<[u8]>,
+        /// Width when upright, pixels.
+        width: u32,
+        /// Height when upright, pixels.
+        height: u32,
+    },
+    /// Takes a photograph away, with its mask, its crown and its part in variations.
+    RemovePhoto(PhotoId),
+    /// Gives a photograph another name.
+    RenamePhoto(PhotoId, String),
+    /// Replaces the labels of a photograph: the mask that tools changed on a copy. What both share
+    /// costs nothing.
+    SetMask(PhotoId, Arc<TiledMask>),
+    /// Replaces the settings of a crown.
+    SetCrown(PhotoId, Box<CrownSettings>),
+    /// Replaces the settings of the variations.
+    SetVariation(Box<VariationSettings>),
+}
+
+/// An edit was refused; the project is unchanged.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum EditError {
+    /// The photograph is not there.
+    #[error("there is no photo {}", .0.0)]
+    NoPhoto(PhotoId),
+    /// A mask does not fit its photograph.
+    #[error("a mask of {mask_width}×{mask_height} does not fit a photograph of {width}×{height}")]
+    MaskSize {
+        /// Width of the mask.
+        mask_width: u32,
+        /// Height of the mask.
+        mask_height: u32,
+        /// Width of the photograph.
+        width: u32,
+        /// Height of the photograph.
+        height: u32,
+    },
+    /// A value is out of its range; one line for the user.
+    #[error("{0}")]
+    Invalid(String),
+}
+
+/// The bytes of a photograph's file and their digest.
+type Blob = (Digest, Arc<[u8]>);
+
+/// `state` after `edit`, and the bytes of a photograph that came with it.
+pub(super) fn edited(state: &State, edit: Edit) -> Result<(State, Option<Blob>), EditError> {
+    let mut new = state.clone();
+    let mut blob = None;
+    match edit {
+        Edit::SetTitle(title) => content(&mut new).title = named(title)?,
+        Edit::AddPhoto {
+            name,
+            bytes,
+            width,
+            height,
+        } => {
+            let digest = Digest::of(&bytes);
+            let photo = Photo {
+                name: named(name)?,
+                digest,
+                width,
+                height,
+            };
+            add(&mut new, photo)?;
+            blob = Some((digest, bytes));
+        }
+        Edit::RemovePhoto(id) => {
+            known(state, id)?;
+            let content = content(&mut new);
+            content.photos.remove(&id);
+            content.crowns.remove(&id);
+            content.variation.forget(id);
+            new.masks.remove(&id);
+        }
+        Edit::RenamePhoto(id, name) => {
+            known(state, id)?;
+            if let Some(photo) = content(&mut new).photos.get_mut(&id) {
+                photo.name = named(name)?;
+            }
+        }
+        Edit::SetMask(id, mask) => {
+            let Photo { width, height, .. } = *known(state, id)?;
+            let (mask_width, mask_height) = (mask.width(), mask.height());
+            if (mask_width, mask_height) != (width, height) {
+                return Err(EditError::MaskSize {
+                    mask_width,
+                    mask_height,
+                    width,
+                    height,
+                });
+            }
+            new.masks.insert(id, mask);
+            // The content is as it was: 60 strokes a second need not look at it.
+            return Ok((new, None));
+        }
+        Edit::SetCrown(id, settings) => {
+            known(state, id)?;
+            content(&mut new).crowns.insert(id, *settings);
+        }
+        Edit::SetVariation(settings) => content(&mut new).variation = *settings,
+    }
+    match new.content.complaint() {
+        Some(complaint) => Err(EditError::Invalid(complaint)),
+        None => Ok((new, blob)),
+    }
+}
+
+fn content(state: &mut State) -> &mut Content {
+    Arc::make_mut(&mut state.content)
+}
+
+fn known(state: &State, id: PhotoId) -> Result<&Photo, EditError> {
+    state.content.photos.get(&id).ok_or(EditError::NoPhoto(id))
+}
+
+fn named(name: String) -> Result<String, EditError> {
+    if name.len() > LONGEST_NAME {
+        let reason = format!("a name is longer than {LONGEST_NAME} bytes");
+        return Err(EditError::Invalid(reason));
+    }
+    Ok(name)
+}
+
+fn add(state: &mut State, photo: Photo) -> Result<(), EditError> {
+    if photo.width == 0 || photo.height == 0 {
+        return Err(EditError::Invalid("a photograph without pixels".to_owned()));
+    }
+    let pixels = u64::from(photo.width) * u64::from(photo.height);
+    if pixels > 20_000 * 20_000 {
+        let reason = "a photograph of more than 400 million pixels".to_owned();
+        return Err(EditError::Invalid(reason));
+    }
+    let mask = TiledMask::filled(photo.width, photo.height, BACKGROUND);
+    let content = content(state);
+    let id = PhotoId(content.next_photo);
+    content.next_photo += 1;
+    content.photos.insert(id, photo);
+    content.crowns.insert(id, CrownSettings::default());
+    state.masks.insert(id, Arc::new(mask));
+    Ok(())
+}

@@ -1,0 +1,283 @@
+//! What a user sets: the crown of each photograph, the variations, and the view.
+//!
+//! The fields are the parameters of the command line under the same names. They are plain data that
+//! says what is wanted; the pipeline turns them into the settings of `crown` and `variation`, and
+//! that is the one place to change when those grow.
+
+use super::content::PhotoId;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Longest expression of a tangent, characters.
+const LONGEST_EXPRESSION: usize = 1000;
+
+/// How a mask becomes a base mesh.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum CrownMethod {
+    /// The bilaplacian's linear system.
+    #[default]
+    Bilaplacian,
+    /// Radii of the silhouette.
+    Radial,
+    /// The distance from the silhouette.
+    Distance,
+    /// The bilaplacian by iteration.
+    Iterative,
+}
+
+/// The tangent k at the silhouette.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Tangent {
+    /// An expression in i and j, both 0…1 over the crown's bounds from the upper left; `3` is one.
+    /// Whether it can be evaluated shows when it is: half-typed ones are saved as they stand.
+    Expression(String),
+    /// Values along the silhouette: its share from the lowest point, counter-clockwise, 0…1
+    /// ascending, and k there.
+    Profile(Vec<(f64, f64)>),
+}
+
+impl Default for Tangent {
+    fn default() -> Self {
+        Self::Expression("2".to_owned())
+    }
+}
+
+/// How a photograph becomes a crown.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct CrownSettings {
+    /// How the mask is inflated.
+    pub method: CrownMethod,
+    /// k(i, j).
+    pub k: Tangent,
+    /// Side of the grid that the mask is inflated on, pixels.
+    pub size: u32,
+    /// ρ, the share of the radius that the relief takes, 0…1.
+    pub relief: f64,
+    /// Weights of the relief's levels, coarse to fine.
+    pub level_weights: Vec<f64>,
+    /// Whether the large-scale light is taken out before the relief is found.
+    pub light_removed: bool,
+    /// Rotated copies that are merged.
+    pub copies: u32,
+    /// Whether the front shows the photograph itself.
+    pub photo_front: bool,
+    /// How far sub-crowns are pushed towards the viewer, by label, in shares of the crown's width.
+    pub sub_crown_depths: BTreeMap<u8, f64>,
+    /// Seed of the synthesised foliage.
+    pub seed: u64,
+}
+
+impl Default for CrownSettings {
+    fn default() -> Self {
+        Self {
+            method: CrownMethod::default(),
+            k: Tangent::default(),
+            size: 256,
+            relief: 0.2,
+            level_weights: vec![0.4, 0.3, 0.2, 0.1],
+            light_removed: true,
+            copies: 1,
+            photo_front: false,
+            sub_crown_depths: BTreeMap::new(),
+            seed: 0,
+        }
+    }
+}
+
+impl CrownSettings {
+    /// What is wrong with the values, if anything.
+    pub(super) fn complaint(&self) -> Option<&'static str> {
+        let is_share = |value: &f64| (0.0..=1.0).contains(value);
+        let k_is_good = match &self.k {
+            Tangent::Expression(text) => text.chars().count() <= LONGEST_EXPRESSION,
+            Tangent::Profile(points) => {
+                let ascending = points.windows(2).all(|pair| pair[0].0 < pair[1].0);
+                let finite = points.iter().all(|(at, k)| is_share(at) && k.is_finite());
+                !points.is_empty() && points.len() <= 10_000 && ascending && finite
+            }
+        };
+        let rules = [
+            (k_is_good, "k is too long or its profile is not ascending"),
+            ((8..=4096).contains(&self.size), "size is not in 8…4096"),
+            (is_share(&self.relief), "relief is not in 0…1"),
+            (
+                (1..=16).contains(&self.level_weights.len())
+                    && self
+                        .level_weights
+                        .iter()
+                        .all(|w| w.is_finite() && *w >= 0.0),
+                "level weights are none, too many or negative",
+            ),
+            ((1..=64).contains(&self.copies), "copies are not in 1…64"),
+            (
+                self.sub_crown_depths
+                    .values()
+                    .all(|depth| depth.is_finite()),
+                "a sub-crown's depth is no number",
+            ),
+        ];
+        broken(&rules)
+    }
+}
+
+/// Where the colours of a variation come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Coloring {
+    /// All from one exemplar.
+    #[default]
+    One,
+    /// Averaged over the exemplars.
+    Blend,
+}
+
+/// An exemplar's part.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct ExemplarWeight {
+    /// The photograph.
+    pub photo: PhotoId,
+    /// Its share in what is previewed, ≥ 0; shares are normalised where they are used.
+    pub weight: f64,
+}
+
+/// A variation that the user kept.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Favourite {
+    /// What the user calls it.
+    pub name: String,
+    /// The seed that makes it again.
+    pub seed: u64,
+    /// The exemplars it was made of.
+    pub exemplars: Vec<ExemplarWeight>,
+}
+
+/// How variations are made.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct VariationSettings {
+    /// The exemplars, in the order of the strip.
+    pub exemplars: Vec<ExemplarWeight>,
+    /// The tree that others are made like.
+    pub target: Option<PhotoId>,
+    /// How far from the target, 0…1.
+    pub strength: f64,
+    /// Exemplars in a tree.
+    pub mix: u32,
+    /// Range of the first weight, 0 ≤ low ≤ high ≤ 1.
+    pub weights: (f64, f64),
+    /// Where colours come from.
+    pub coloring: Coloring,
+    /// The picture whose histogram is taken.
+    pub like: Option<PhotoId>,
+    /// Seed of the gallery.
+    pub seed: u64,
+    /// Trees in the gallery.
+    pub count: u32,
+    /// Seeds that stay when the gallery is drawn again.
+    pub locked: Vec<u64>,
+    /// What was kept.
+    pub favourites: Vec<Favourite>,
+}
+
+impl Default for VariationSettings {
+    fn default() -> Self {
+        Self {
+            exemplars: Vec::new(),
+            target: None,
+            strength: 0.7,
+            mix: 2,
+            weights: (0.3, 0.7),
+            coloring: Coloring::default(),
+            like: None,
+            seed: 0,
+            count: 12,
+            locked: Vec::new(),
+            favourites: Vec::new(),
+        }
+    }
+}
+
+impl VariationSettings {
+    /// What is wrong with the values, if anything.
+    pub(super) fn complaint(&self) -> Option<&'static str> {
+        let (low, high) = self.weights;
+        let kept = self.favourites.iter().flat_map(|kept| &kept.exemplars);
+        let weights = self.exemplars.iter().chain(kept).map(|part| part.weight);
+        let rules = [
+            (
+                (0.0..=1.0).contains(&self.strength),
+                "strength is not in 0…1",
+            ),
+            (
+                0.0 <= low && low <= high && high <= 1.0,
+                "weights are not 0 ≤ low ≤ high ≤ 1",
+            ),
+            ((1..=16).contains(&self.mix), "mix is not in 1…16"),
+            (self.count <= 100_000, "count is above 100,000"),
+            (
+                weights.into_iter().all(|w| w.is_finite() && w >= 0.0),
+                "an exemplar's weight is negative or no number",
+            ),
+        ];
+        broken(&rules)
+    }
+
+    /// All photographs that are named.
+    pub(super) fn photos(&self) -> impl Iterator<Item = PhotoId> + '_ {
+        let kept = self.favourites.iter().flat_map(|kept| &kept.exemplars);
+        let parts = self.exemplars.iter().chain(kept).map(|part| part.photo);
+        parts.chain(self.target).chain(self.like)
+    }
+
+    /// Forgets a photograph that is no longer there.
+    pub(super) fn forget(&mut self, photo: PhotoId) {
+        let is_other = |part: &ExemplarWeight| part.photo != photo;
+        self.exemplars.retain(is_other);
+        self.favourites
+            .retain(|kept| kept.exemplars.iter().all(is_other));
+        self.target = self.target.filter(|&target| target != photo);
+        self.like = self.like.filter(|&like| like != photo);
+    }
+}
+
+/// How the project is looked at: saved, but neither undone nor a change.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct ViewState {
+    /// The photograph on the canvas.
+    pub photo: Option<PhotoId>,
+    /// Direction to the sun, degrees around and above the horizon.
+    pub sun_deg: (f64, f64),
+    /// Camera: yaw and pitch, degrees.
+    pub camera_deg: (f64, f64),
+    /// Camera: distance from the crown's centre in crown radii.
+    pub distance: f64,
+    /// The canvas's middle in the photograph, pixels.
+    pub canvas_center: (f64, f64),
+    /// Screen pixels for a photograph's pixel.
+    pub canvas_zoom: f64,
+}
+
+impl Default for ViewState {
+    fn default() -> Self {
+        Self {
+            photo: None,
+            sun_deg: (30.0, 45.0),
+            camera_deg: (0.0, 10.0),
+            distance: 3.0,
+            canvas_center: (0.0, 0.0),
+            canvas_zoom: 1.0,
+        }
+    }
+}
+
+/// The message of the first rule that does not hold.
+fn broken(rules: &[(bool, &'static str)]) -> Option<&'static str> {
+    rules
+        .iter()
+        .find(|(holds, _)| !holds)
+        .map(|(_, message)| *message)
+}

@@ -1,0 +1,316 @@
+//! One photograph and the mask of its crown become a crown to be drawn (thesis §4.6).
+//!
+//! The mask is inflated to a base mesh and the mesh becomes a radius in every direction; foliage
+//! like that of the photograph is synthesised around it; its light and dark become relief, and the
+//! relief moves the radius.
+//!
+//! Scales: the base mesh is made from the mask's envelope with its longer side at
+//! [`CrownSettings::size`] pixels. The foliage is made from the photograph at the scale at which a
+//! texel, laid on the crown, is as large as a pixel: leaves keep their size.
+
+use super::frame::{CrownFrame, Volume};
+use crate::base::{Cancel, Cancelled, Progress, Seed};
+use crate::crown::{
+    Domain, Envelope, Inflation, InflationError, RadiusError, ReliefSettings, SettingError,
+    Tangent, TangentError, crown_center, height_cubemap, into_world, merged_radius_cubemap,
+    radius_with_relief, sheet_surface, turned_copies,
+};
+use crate::geometry::{Mesh, Point};
+use crate::raster::{Cubemap, Image, Mask, Straight};
+use crate::scene::Crown;
+use crate::synth::{
+    CrownSurface, CubemapSettings, Extent, SynthesisError, foliage_cubemap, with_photo_front,
+};
+use serde::{Deserialize, Serialize};
+
+/// How a crown is made from a photograph.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CrownSettings {
+    /// Texels along a face of all cubemaps, and pixels along the longer side of the mask that is
+    /// inflated; a multiple of 16, 32 … 1024.
+    pub size: u32,
+    /// How much of the mask's outline shapes the volume.
+    pub envelope: Envelope,
+    /// The tangent at the silhouette, thesis §4.3: 0 is flat; a disc is nearest to a ball at 2.25.
+    /// By default so large that the crown is as deep as it is wide, which for a disc is 2.08.
+    pub k: Option<Tangent>,
+    /// Copies of the base mesh turned about the trunk and merged, 1 … 16.
+    pub copies: u32,
+    /// ρ, how far the relief moves the surface, as a share of the radius, 0 … 1.5.
+    pub rho: f64,
+    /// How light becomes relief.
+    pub relief: ReliefSettings,
+    /// Whether the photograph stays on the front, and the rest grows out of it.
+    pub photo_front: bool,
+    /// How foliage is synthesised; its size is that of the crown.
+    pub foliage: CubemapSettings,
+    /// Height of the crown, metres.
+    pub height_m: f64,
+    /// Height of the crown's lowest point above the ground, metres; by default
+    /// [`TRUNK_SHARE`] of the crown's height.
+    pub trunk_height_m: Option<f64>,
+}
+
+/// Height of the bare trunk where nobody says more, as a share of the crown's: what a free-standing
+/// broad-leaved tree shows.
+pub const TRUNK_SHARE: f64 = 0.2;
+
+/// The largest k: beyond, a surface is nothing but walls.
+const MOST_K: f64 = 50.0;
+
+impl Default for CrownSettings {
+    fn default() -> Self {
+        Self {
+            size: 256,
+            envelope: Envelope::default(),
+            k: None,
+            copies: 1,
+            rho: 0.35,
+            relief: ReliefSettings::default(),
+            photo_front: false,
+            foliage: CubemapSettings::default(),
+            height_m: 10.0,
+            trunk_height_m: None,
+        }
+    }
+}
+
+/// No crown could be made.
+#[derive(Debug, thiserror::Error)]
+pub enum CrownError {
+    /// Photograph and mask have different sizes.
+    #[error("the mask is {}×{} pixels, the photograph {}×{}", mask[0], mask[1], photo[0], photo[1])]
+    SizesDiffer {
+        /// Width and height of the photograph.
+        photo: [u32; 2],
+        /// Width and height of the mask.
+        mask: [u32; 2],
+    },
+    /// A setting is outside its range.
+    #[error(transparent)]
+    Setting(#[from] SettingError),
+    /// The mask cannot be inflated.
+    #[error(transparent)]
+    Inflation(#[from] InflationError),
+    /// k cannot be used.
+    #[error(transparent)]
+    Tangent(#[from] TangentError),
+    /// The mesh has no surface around its centre.
+    #[error(transparent)]
+    Radius(#[from] RadiusError),
+    /// The photograph gives no foliage.
+    #[error(transparent)]
+    Synthesis(#[from] SynthesisError),
+    /// The work was asked to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+impl CrownError {
+    /// Whether the work was asked to stop, at whatever depth.
+    pub fn is_cancelled(&self) -> bool {
+        matches!(
+            self,
+            Self::Cancelled(_)
+                | Self::Inflation(InflationError::Cancelled(_))
+                | Self::Radius(RadiusError::Cancelled(_))
+                | Self::Synthesis(SynthesisError::Cancelled(_))
+        )
+    }
+}
+
+impl CrownSettings {
+    /// Checks that all values are in range.
+    ///
+    /// # Errors
+    /// [`SettingError`], the first that is not.
+    pub fn check(&self) -> Result<(), SettingError> {
+        let size = f64::from(self.size);
+        let size_fits = (32..=1024).contains(&self.size) && self.size.is_multiple_of(16);
+        let trunk = self.trunk_height_m.unwrap_or(0.0);
+        let rules = [
+            ("size", size, size_fits, "a multiple of 16 from 32 to 1024"),
+            (
+                "copies",
+                f64::from(self.copies),
+                (1..=16).contains(&self.copies),
+                "1 to 16",
+            ),
+            ("rho", self.rho, (0.0..=1.5).contains(&self.rho), "0 to 1.5"),
+            (
+                "height_m",
+                self.height_m,
+                (0.01..=1000.0).contains(&self.height_m),
+                "0.01 to 1000",
+            ),
+            (
+                "trunk_height_m",
+                trunk,
+                (0.0..=1000.0).contains(&trunk),
+                "0 to 1000",
+            ),
+        ];
+        match rules.into_iter().find(|rule| !rule.2) {
+            None => self.relief.check(),
+            Some((name, value, _, range)) => Err(SettingError { name, value, range }),
+        }
+    }
+}
+
+/// The crown of the tree in `photo`, whose pixels are told by `mask`.
+///
+/// Stages of `progress`: `shape`, `foliage`, `relief`.
+///
+/// # Errors
+/// [`CrownError`].
+pub fn crown(
+    photo: &Image<Straight>,
+    mask: &Mask,
+    settings: &CrownSettings,
+    seed: Seed,
+    progress: Progress<'_>,
+    cancel: &Cancel,
+) -> Result<Crown, CrownError> {
+    let surface = colored_surface(photo, mask, settings, seed, progress, cancel)?;
+    let ColoredSurface {
+        shape,
+        base_m,
+        color,
+    } = surface;
+    let stage = progress.stage("relief", 1);
+    let height = height_cubemap(&color, &settings.relief, cancel)?;
+    let radius_m = radius_with_relief(&base_m, &height, settings.rho, settings.relief.steepest);
+    stage.advance();
+    drop(stage);
+    Ok(Crown {
+        center_m: shape.frame.center_m,
+        radius_m,
+        color,
+        height,
+        base_mesh: shape.base_mesh,
+    })
+}
+
+/// The surface of a crown without relief, and its colours.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ColoredSurface {
+    /// The base mesh and where it stands.
+    pub shape: CrownShape,
+    /// From the crown's centre to the surface of all copies, metres.
+    pub base_m: Cubemap<f32>,
+    /// The colours.
+    pub color: Cubemap<Straight>,
+}
+
+/// The first part of [`crown`]: stages `shape` and `foliage`.
+///
+/// # Errors
+/// [`CrownError`].
+pub fn colored_surface(
+    photo: &Image<Straight>,
+    mask: &Mask,
+    settings: &CrownSettings,
+    seed: Seed,
+    progress: Progress<'_>,
+    cancel: &Cancel,
+) -> Result<ColoredSurface, CrownError> {
+    settings.check()?;
+    let sizes = [
+        [photo.width(), photo.height()],
+        [mask.width(), mask.height()],
+    ];
+    if sizes[0] != sizes[1] {
+        return Err(CrownError::SizesDiffer {
+            photo: sizes[0],
+            mask: sizes[1],
+        });
+    }
+    let stage = progress.stage("shape", 2);
+    let shape = crown_shape(mask, settings, progress, cancel)?;
+    stage.advance();
+    let copies = turned_copies(&shape.base_mesh, shape.frame.center_m, settings.copies);
+    let base_m = merged_radius_cubemap(&copies, shape.frame.center_m, settings.size, cancel)?;
+    stage.advance();
+    drop(stage);
+    let stage = progress.stage("foliage", 2);
+    let foliage = CubemapSettings {
+        size: settings.size,
+        ..settings.foliage
+    };
+    let radius = base_m.map(|&radius| radius * shape.photo_px_per_m as f32);
+    let extent = Extent::of_surface(&radius);
+    let made = foliage_cubemap(photo, mask, extent, &foliage, seed, &progress, cancel)?;
+    stage.advance();
+    let color = if settings.photo_front {
+        let surface = CrownSurface {
+            center: shape.photo_center,
+            radius: &radius,
+        };
+        with_photo_front(&made, surface, cancel)?
+    } else {
+        made.color
+    };
+    stage.advance();
+    drop(stage);
+    Ok(ColoredSurface {
+        shape,
+        base_m,
+        color,
+    })
+}
+
+/// A base mesh and where it stands.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CrownShape {
+    /// The mesh, metres, in the frame of the tree.
+    pub base_mesh: Mesh,
+    /// From the pixels of the mask to the tree.
+    pub frame: CrownFrame,
+    /// The crown's centre in the photograph, pixels.
+    pub photo_center: Point,
+    /// Pixels of the photograph in a metre.
+    pub photo_px_per_m: f64,
+}
+
+/// The inflated `mask`, without relief and copies.
+///
+/// # Errors
+/// [`CrownError`].
+pub fn crown_shape(
+    mask: &Mask,
+    settings: &CrownSettings,
+    progress: Progress<'_>,
+    cancel: &Cancel,
+) -> Result<CrownShape, CrownError> {
+    let volume =
+        Volume::new(mask, settings.size, &settings.envelope).ok_or(InflationError::Empty)?;
+    let center = crown_center(&volume.mask).ok_or(InflationError::Empty)?;
+    let trunk_m = settings
+        .trunk_height_m
+        .unwrap_or(TRUNK_SHARE * settings.height_m);
+    let frame = CrownFrame::new(&volume.mask, settings.height_m, trunk_m);
+    let inflation = Inflation::new(Domain::new(&volume.mask)?, progress, cancel)?;
+    let bounds = inflation.domain().bounds();
+    let k = match &settings.k {
+        Some(tangent) => tangent.on_ring(inflation.domain())?,
+        None => k_of_depth(&inflation, f64::from(bounds.width) / 2.0, cancel)?,
+    };
+    let pixels = sheet_surface(&inflation.sheet(&k, cancel)?, &k);
+    let in_photo = |length: f64| length / volume.scale;
+    Ok(CrownShape {
+        base_mesh: into_world(&pixels, bounds, frame.metres_per_pixel, frame.base_m),
+        frame,
+        photo_center: volume.photo_from_mask(center),
+        photo_px_per_m: in_photo(1.0 / frame.metres_per_pixel),
+    })
+}
+
+/// One k for the whole ring at which the highest point of the sheet is `depth` pixels in front of the
+/// silhouette: heights are linear in k.
+fn k_of_depth(inflation: &Inflation, depth: f64, cancel: &Cancel) -> Result<Vec<f64>, CrownError> {
+    let ring = inflation.domain().ring().len();
+    let sheet = inflation.sheet(&vec![1.0; ring], cancel)?;
+    let highest = sheet.positions.iter().map(|p| p.z).fold(0.0, f64::max);
+    Ok(vec![(depth / highest.max(1e-9)).min(MOST_K); ring])
+}

@@ -1,0 +1,213 @@
+//! The leaf crown: `shaders/leaves.wgsl` on the processor.
+//!
+//! Leaves are pictures of twigs parallel to the picture's plane, so each is a square on the screen
+//! with one depth. Their number follows the crown's size on the screen, and their size follows
+//! their number, so that they cover the crown alike; the last ones grow from nothing.
+
+use super::crown::{level_for, radius_in_samples, sunlit_at, surface_at};
+use super::dither::{hash, hashed, pattern};
+use super::shade::{Place, shaded};
+use super::{Band, Drawn};
+use crate::render::frame::{Frame, InstanceNumbers};
+use crate::render::leaf_atlas::{LEVELS, LeafAtlas, VARIANTS};
+use crate::render::surface::normal;
+use glam::Vec3;
+
+/// Share of the leaves that are growing.
+const GROWING: f32 = 0.15;
+/// How far within the ball a leaf's share of the radius goes: the inside is hidden.
+const DEEPEST: f32 = 0.62;
+/// How far leaves are drawn back from the surface, in halves of their side.
+const DRAWN_BACK: f32 = 0.42;
+/// How much a twig's normals spread, as those of a ball would.
+const SPREAD: f32 = 0.55;
+
+/// A leaf on the screen.
+pub(super) struct Leaf {
+    /// Centre and half the side, samples.
+    x: f32,
+    y: f32,
+    half: f32,
+    depth: f32,
+    /// Cosine and sine of its turn.
+    spin: (f32, f32),
+    variant: u32,
+    /// Level of the twig's picture.
+    level: f32,
+    salt: u32,
+    albedo: Vec3,
+    /// Normal of the crown, world.
+    normal: Vec3,
+    open: f32,
+    sunlit: f32,
+    /// From the centre of the crown, in its frame, metres; and metres for a sample at that distance.
+    point: Vec3,
+    metres_a_sample: f32,
+}
+
+/// The leaves of an instance that are before the eye.
+pub(super) fn leaves(frame: &Frame, drawn: &Drawn<'_>, points: &[[f32; 4]]) -> Vec<Leaf> {
+    let instance = &drawn.instance;
+    if instance.fade <= 0.0 {
+        return Vec::new();
+    }
+    let offset = Vec3::from(frame.eye) - Vec3::from(instance.center);
+    let eye = instance.local(offset) * (1.0 / instance.scale);
+    let radius_samples = radius_in_samples(frame, &drawn.numbers, eye);
+    let count = (radius_samples * frame.leaves_a_sample)
+        .clamp(frame.least_leaves, frame.most_leaves)
+        .min(points.len() as f32);
+    let made = points[..count.ceil() as usize].iter().enumerate();
+    made.filter_map(|(index, &[x, y, z, _])| {
+        leaf(frame, drawn, Vec3::new(x, y, z), index as u32, count)
+    })
+    .collect()
+}
+
+/// Leaf `index` of `count`, at `ball` in the unit ball.
+fn leaf(frame: &Frame, drawn: &Drawn<'_>, ball: Vec3, index: u32, count: f32) -> Option<Leaf> {
+    let (numbers, instance) = (&drawn.numbers, &drawn.instance);
+    let radius = &drawn.crown.radius;
+    let salt = hash(index ^ instance.dither);
+    let grown = ((count - index as f32) / (GROWING * count)).clamp(0.0, 1.0);
+    let vary = 0.8 + 0.4 * hashed(salt ^ 1);
+    let half_m = frame.leaf_size * numbers.mean_radius * grown * vary / count.sqrt();
+    let share = ball.dot(ball).sqrt();
+    let direction = ball * (1.0 / share.max(1e-6));
+    let shape_level = numbers.radius_levels.max(4) - 4;
+    let reach = radius.sampled(direction, shape_level);
+    let point = if frame.leaf_clip == 0 {
+        let out = reach * (DEEPEST + (1.0 - DEEPEST) * share) - DRAWN_BACK * half_m;
+        direction * out.max(0.0)
+    } else {
+        ball * numbers.radius_range[1]
+    };
+    let depth_share = point.dot(point).sqrt() / reach;
+    if depth_share > 1.0 && frame.leaf_clip == 1 && depth_share * reach - half_m * 1.5 > reach {
+        return None;
+    }
+    let center = Vec3::from(instance.center) + instance.world(point) * instance.scale;
+    let seen = center - Vec3::from(frame.eye);
+    let away = seen.dot(Vec3::from(frame.forward));
+    if away <= frame.near || half_m <= 0.0 {
+        return None;
+    }
+    let metres_a_sample = away * frame.sample_size;
+    let half = half_m * instance.scale / metres_a_sample;
+    let across = seen.dot(Vec3::from(frame.right)) / (away * frame.tan_x);
+    let upward = seen.dot(Vec3::from(frame.up)) / (away * frame.tan_y);
+    let angle = hashed(salt ^ 2) * std::f32::consts::TAU;
+    let color_level = numbers.surface_levels.max(3) - 3;
+    let (albedo, open) = surface_at(&drawn.crown.surface, direction, color_level);
+    // Shade is that of the surface above the leaf: within the crown nothing would be lit.
+    let normal_local = normal(radius, direction, shape_level);
+    let above = direction * reach + normal_local * (0.05 * numbers.mean_radius);
+    let inside = (depth_share - 0.45).clamp(0.0, 0.45) / 0.45;
+    let bright = 0.85 + 0.3 * hashed(salt ^ 3);
+    let texels = 128.0 / (2.0 * half).max(1.0);
+    Some(Leaf {
+        x: (across + 1.0) * 0.5 * frame.size[0],
+        y: (1.0 - upward) * 0.5 * frame.size[1],
+        half,
+        depth: frame.near / away,
+        spin: (libm::cosf(angle), libm::sinf(angle)),
+        variant: salt % VARIANTS,
+        level: libm::log2f(texels.max(1.0)).min((LEVELS - 1) as f32),
+        salt,
+        albedo: albedo * Vec3::from(instance.tint) * bright,
+        normal: instance.world(normal_local),
+        open: open * (0.35 + 0.65 * inside),
+        sunlit: sunlit_at(frame, drawn, above, shape_level) * (0.25 + 0.75 * inside),
+        point,
+        metres_a_sample: metres_a_sample / instance.scale,
+    })
+}
+
+/// Draws leaves into a band.
+pub(super) fn draw(
+    frame: &Frame,
+    drawn: &Drawn<'_>,
+    leaves: &[Leaf],
+    atlas: &LeafAtlas,
+    band: &mut Band<'_>,
+) {
+    for leaf in leaves {
+        let top = (leaf.y - leaf.half).max(band.rows.0 as f32) as u32;
+        let bottom = (leaf.y + leaf.half + 1.0).clamp(0.0, band.rows.1 as f32) as u32;
+        let left = (leaf.x - leaf.half).max(0.0) as u32;
+        let right = (leaf.x + leaf.half + 1.0).clamp(0.0, band.width as f32) as u32;
+        for y in top..bottom {
+            for x in left..right {
+                if !band.shows(x, y, leaf.depth) {
+                    continue;
+                }
+                if let Some(light) = sample(frame, drawn, leaf, atlas, (x, y)) {
+                    band.put(x, y, leaf.depth, [light.x, light.y, light.z, 1.0]);
+                }
+            }
+        }
+    }
+}
+
+/// The light of a leaf in a sample, where it covers it.
+#[inline(always)]
+fn sample(
+    frame: &Frame,
+    drawn: &Drawn<'_>,
+    leaf: &Leaf,
+    atlas: &LeafAtlas,
+    (x, y): (u32, u32),
+) -> Option<Vec3> {
+    let InstanceNumbers { fade, dither, .. } = drawn.instance;
+    let across = (x as f32 + 0.5 - leaf.x) / leaf.half;
+    let down = (y as f32 + 0.5 - leaf.y) / leaf.half;
+    if across.abs() > 1.0 || down.abs() > 1.0 || pattern(x, y, dither) >= fade {
+        return None;
+    }
+    let u = 0.5 + 0.5 * (leaf.spin.0 * across - leaf.spin.1 * down);
+    let v = 0.5 + 0.5 * (leaf.spin.1 * across + leaf.spin.0 * down);
+    let whole = leaf.level as u32;
+    let near = atlas.sampled(leaf.variant, whole, u, v);
+    let far = atlas.sampled(leaf.variant, (whole + 1).min(LEVELS - 1), u, v);
+    let part = leaf.level - whole as f32;
+    let shade = near.0 + (far.0 - near.0) * part;
+    let coverage = near.1 + (far.1 - near.1) * part;
+    // Sharp edges where a leaf's texels are large, noise where they are smaller than a sample.
+    let noise = (pattern(x, y, leaf.salt) - 0.5) * 0.8 * leaf.level.min(1.0);
+    if coverage < 0.5 + noise {
+        return None;
+    }
+    let aside = Vec3::from(frame.right) * across - Vec3::from(frame.up) * down;
+    if frame.leaf_clip == 1 {
+        let local = drawn.instance.local(aside) * (leaf.half * leaf.metres_a_sample);
+        let place = leaf.point + local;
+        let level = level_for(
+            drawn.numbers.radius_size,
+            drawn.numbers.radius_levels,
+            drawn.numbers.radius_range[1] / leaf.metres_a_sample,
+        ) as u32;
+        if place.dot(place).sqrt() > drawn.crown.radius.sampled(place, level) {
+            return None;
+        }
+    }
+    let bent = leaf.normal + aside * SPREAD;
+    let normal = bent * (1.0 / bent.dot(bent).sqrt());
+    if frame.view != 0 {
+        return Some(match frame.view {
+            2 => normal * 0.5 + Vec3::splat(0.5),
+            3 => Vec3::splat(1.0 / (1.0 + frame.near / leaf.depth)),
+            _ => Vec3::ZERO,
+        });
+    }
+    Some(shaded(
+        frame,
+        &Place {
+            albedo: leaf.albedo * (shade * (255.0 / 128.0)),
+            normal,
+            open: leaf.open,
+            sunlit: leaf.sunlit,
+            height: 0.5 + 0.5 * leaf.point.y / drawn.numbers.radius_range[1],
+            depth: 1.0,
+        },
+    ))
+}

@@ -1,0 +1,403 @@
+//! A scene resolved into the numbers that both renderers read.
+//!
+//! The structs are those of `shaders/shared/frame.wgsl`, member for member; a test compares the
+//! layouts.
+
+use super::leaf_set::LeafSet;
+use super::mesh::PreparedMesh;
+use super::prepared::PreparedCrown;
+use super::settings::{Mode, RenderSettings};
+use crate::scene::{Backdrop, Camera, CrownInstance, Light};
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+
+/// What a picture is made of.
+#[derive(Debug, Clone, Copy)]
+pub struct SceneView<'a> {
+    /// The crowns there are.
+    pub crowns: &'a [PreparedCrown],
+    /// Where they stand.
+    pub instances: &'a [CrownInstance],
+    /// Triangles, in the world: stems, surfaces.
+    pub meshes: &'a [PreparedMesh],
+    /// What leaf crowns are drawn with.
+    pub leaves: &'a LeafSet,
+    /// From where the picture is taken.
+    pub camera: &'a Camera,
+    /// What lights it.
+    pub light: &'a Light,
+    /// What is behind.
+    pub backdrop: Backdrop,
+}
+
+/// What is the same for all that is drawn in a picture.
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Frame {
+    /// Clip coordinates of a world position, column by column; depth reversed and infinite.
+    pub clip_from_world: [[f32; 4]; 4],
+    /// The eye, metres.
+    pub eye: [f32; 3],
+    /// Distance of the near plane, metres.
+    pub near: f32,
+    /// The view's axis to the right.
+    pub right: [f32; 3],
+    /// Tangent of half the angle across.
+    pub tan_x: f32,
+    /// The view's axis up.
+    pub up: [f32; 3],
+    /// Tangent of half the angle up.
+    pub tan_y: f32,
+    /// The view's axis into the picture.
+    pub forward: [f32; 3],
+    /// Height of a sample at the distance of 1.
+    pub sample_size: f32,
+    /// Unit vector towards the sun.
+    pub toward_sun: [f32; 3],
+    /// Factor before the tone curve.
+    pub exposure: f32,
+    /// Light of the sun.
+    pub sun: [f32; 3],
+    /// Linear steps for each sample of a crown's radius.
+    pub steps_a_sample: f32,
+    /// Light of the sky.
+    pub sky: [f32; 3],
+    /// Least linear steps through a crown.
+    pub least_steps: f32,
+    /// Light of the ground.
+    pub ground: [f32; 3],
+    /// Most linear steps through a crown.
+    pub most_steps: f32,
+    /// Width and height in samples.
+    pub size: [f32; 2],
+    /// Halvings after the linear search.
+    pub halvings: u32,
+    /// Steps towards the sun.
+    pub shadow_steps: u32,
+    /// [`super::View`].
+    pub view: u32,
+    /// [`super::Occlusion`].
+    pub occlusion: u32,
+    /// [`super::Shortcut`].
+    pub shortcut: u32,
+    /// [`Backdrop`]: 0 clear, 1 studio, 2 sky.
+    pub backdrop: u32,
+    /// Leaves for each sample of a crown's radius.
+    pub leaves_a_sample: f32,
+    /// Least leaves of a crown.
+    pub least_leaves: f32,
+    /// Most leaves of a crown.
+    pub most_leaves: f32,
+    /// Half the side of a leaf's picture, in radii of the crown, times the root of their number.
+    pub leaf_size: f32,
+    /// [`super::LeafClip`].
+    pub leaf_clip: u32,
+    /// Samples along each side of a pixel.
+    pub fineness: u32,
+    /// Leaves there are.
+    pub point_count: u32,
+    /// To a multiple of 16 bytes.
+    pub padding: u32,
+}
+
+/// What is the same for all instances of a crown.
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct CrownNumbers {
+    /// R_min and R_max, metres.
+    pub radius_range: [f32; 2],
+    /// Texels along a side of a face of the radius cubemap.
+    pub radius_size: u32,
+    /// Levels of the radius cubemap.
+    pub radius_levels: u32,
+    /// Texels along a side of a face of the colours.
+    pub surface_size: u32,
+    /// Levels of the colours.
+    pub surface_levels: u32,
+    /// Mean radius, metres.
+    pub mean_radius: f32,
+    /// Height of the centre above the tree's base, metres.
+    pub center_height: f32,
+}
+
+/// One crown of the picture.
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct InstanceNumbers {
+    /// The centre of the crown, metres, world.
+    pub center: [f32; 3],
+    /// Size.
+    pub scale: f32,
+    /// Cosine and sine of the turn around the vertical axis.
+    pub turn: [f32; 2],
+    /// Share of the fragments that relief leaves to the leaves, 0 … 1.
+    pub fade: f32,
+    /// Seed of the dither pattern.
+    pub dither: u32,
+    /// Factor on the colours.
+    pub tint: [f32; 3],
+    /// To a multiple of 16 bytes.
+    pub padding: f32,
+}
+
+impl Frame {
+    /// The numbers of a picture.
+    pub fn new(view: &SceneView<'_>, settings: &RenderSettings) -> Self {
+        let fine = settings.fineness;
+        let size = [settings.size.0 * fine, settings.size.1 * fine].map(|side| side as f32);
+        let axes = view.camera.axes();
+        let (tan_x, tan_y) = view
+            .camera
+            .half_extent(f64::from(settings.size.0) / f64::from(settings.size.1));
+        let light = view.light;
+        Self {
+            clip_from_world: clip_from_world(view.camera, (tan_x, tan_y)),
+            eye: view.camera.eye_m().as_vec3().to_array(),
+            near: view.camera.near_m() as f32,
+            right: axes.right.as_vec3().to_array(),
+            tan_x: tan_x as f32,
+            up: axes.up.as_vec3().to_array(),
+            tan_y: tan_y as f32,
+            forward: axes.forward.as_vec3().to_array(),
+            sample_size: (2.0 * tan_y) as f32 / size[1],
+            toward_sun: light.toward_sun().as_vec3().to_array(),
+            exposure: light.exposure,
+            sun: light.sun,
+            // Finer samples of the same picture need no more steps.
+            steps_a_sample: settings.relief.steps_a_pixel / fine as f32,
+            sky: light.sky,
+            least_steps: settings.relief.least_steps as f32,
+            ground: light.ground,
+            most_steps: settings.relief.most_steps as f32,
+            size,
+            halvings: settings.relief.halvings,
+            shadow_steps: settings.relief.shadow_steps,
+            view: settings.view as u32,
+            occlusion: settings.occlusion as u32,
+            shortcut: settings.relief.shortcut as u32,
+            backdrop: match view.backdrop {
+                Backdrop::Clear => 0,
+                Backdrop::Studio => 1,
+                Backdrop::Sky => 2,
+            },
+            leaves_a_sample: settings.leaves.leaves_a_pixel / fine as f32,
+            least_leaves: settings.leaves.least as f32,
+            most_leaves: settings.leaves.most as f32,
+            leaf_size: settings.leaves.size,
+            leaf_clip: settings.leaves.clip as u32,
+            fineness: fine,
+            point_count: view.leaves.points.len() as u32,
+            padding: 0,
+        }
+    }
+
+    /// The unit vector from the eye through a place of the picture, in samples from the left and
+    /// top.
+    #[inline(always)]
+    pub(crate) fn ray(&self, x: f32, y: f32) -> Vec3 {
+        let across = (2.0 * x / self.size[0] - 1.0) * self.tan_x;
+        let upward = (1.0 - 2.0 * y / self.size[1]) * self.tan_y;
+        let through = Vec3::from(self.forward)
+            + Vec3::from(self.right) * across
+            + Vec3::from(self.up) * upward;
+        through * (1.0 / through.dot(through).sqrt())
+    }
+}
+
+/// The crowns of a picture by the passes that draw them, each with the index of its crown.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Resolved {
+    /// For the relief pass: whole crowns, and the cores of leaf crowns.
+    pub(crate) relief: Vec<(usize, InstanceNumbers)>,
+    /// For the leaf pass.
+    pub(crate) leaves: Vec<(usize, InstanceNumbers)>,
+    /// Each crown once, for its shadow.
+    pub(crate) shadows: Vec<(usize, InstanceNumbers)>,
+}
+
+/// Size of the dark core within a leaf crown: one does not look through a dense crown, and its few
+/// hundred leaves alone would leave gaps. Above 0.9 the core shows between the outermost leaves.
+const CORE: f32 = 0.78;
+/// Brightness of the core.
+const CORE_LIGHT: f32 = 0.4;
+
+impl Resolved {
+    /// Which crown is drawn how. A crown that changes its form is drawn by both passes, each taking
+    /// its share of the samples.
+    pub(crate) fn new(view: &SceneView<'_>, settings: &RenderSettings) -> Self {
+        let mut resolved = Self::default();
+        let eye = view.camera.eye_m();
+        for (index, instance) in view.instances.iter().enumerate() {
+            let crown = instance.crown;
+            let mut numbers = InstanceNumbers::new(instance, &view.crowns[crown]);
+            numbers.dither = (index as u32).wrapping_mul(0x9e37_79b1);
+            resolved.shadows.push((crown, numbers));
+            numbers.fade = match settings.mode {
+                Mode::Relief => 0.0,
+                Mode::Leaves => 1.0,
+                Mode::Switched => {
+                    let center = glam::Vec3::from(numbers.center).as_dvec3();
+                    settings
+                        .switch
+                        .leaf_share(center.distance(eye), instance.switch_at)
+                }
+                Mode::Mesh => continue,
+            };
+            if numbers.fade < 1.0 {
+                resolved.relief.push((crown, numbers));
+            }
+            if numbers.fade > 0.0 {
+                resolved.leaves.push((crown, numbers));
+                resolved.relief.push((crown, numbers.core()));
+            }
+        }
+        // A crown's own after one another, so that the card changes crowns seldom.
+        for list in [
+            &mut resolved.relief,
+            &mut resolved.leaves,
+            &mut resolved.shadows,
+        ] {
+            list.sort_by_key(|(crown, _)| *crown);
+        }
+        resolved
+    }
+}
+
+/// Columns of the matrix from world to clip coordinates.
+fn clip_from_world(camera: &Camera, (tan_x, tan_y): (f64, f64)) -> [[f32; 4]; 4] {
+    let axes = camera.axes();
+    let eye = camera.eye_m();
+    let near = camera.near_m();
+    let rows = [axes.right / tan_x, axes.up / tan_y, axes.forward];
+    let column = |i: usize| [rows[0][i], rows[1][i], 0.0, rows[2][i]].map(|x| x as f32);
+    let shift = [
+        -rows[0].dot(eye),
+        -rows[1].dot(eye),
+        near,
+        -rows[2].dot(eye),
+    ];
+    [column(0), column(1), column(2), shift.map(|x| x as f32)]
+}
+
+impl CrownNumbers {
+    /// The numbers of a crown.
+    pub fn new(crown: &PreparedCrown) -> Self {
+        Self {
+            radius_range: crown.radius_range.into(),
+            radius_size: crown.radius.size(),
+            radius_levels: crown.radius.levels(),
+            surface_size: crown.surface.size(),
+            surface_levels: crown.surface.levels(),
+            mean_radius: crown.mean_radius,
+            center_height: crown.center.y,
+        }
+    }
+}
+
+impl InstanceNumbers {
+    /// The numbers of an instance of `crown`.
+    pub fn new(instance: &CrownInstance, crown: &PreparedCrown) -> Self {
+        let yaw = instance.yaw_deg.to_radians();
+        let turn = [libm::cos(yaw), libm::sin(yaw)];
+        let center = crown.center.as_dvec3() * instance.scale;
+        let turned = glam::DVec3::new(
+            turn[0] * center.x + turn[1] * center.z,
+            center.y,
+            turn[0] * center.z - turn[1] * center.x,
+        );
+        Self {
+            center: (instance.base_m + turned).as_vec3().to_array(),
+            scale: instance.scale as f32,
+            turn: turn.map(|x| x as f32),
+            fade: 0.0,
+            dither: 0,
+            tint: instance.tint,
+            padding: 0.0,
+        }
+    }
+
+    /// The core of a leaf crown.
+    fn core(self) -> Self {
+        Self {
+            scale: self.scale * CORE,
+            tint: self.tint.map(|channel| channel * CORE_LIGHT),
+            fade: 0.0,
+            ..self
+        }
+    }
+
+    /// `world`, a direction, in the frame of the crown.
+    #[inline(always)]
+    pub(crate) fn local(&self, world: Vec3) -> Vec3 {
+        let [cos, sin] = self.turn;
+        Vec3::new(
+            cos * world.x - sin * world.z,
+            world.y,
+            sin * world.x + cos * world.z,
+        )
+    }
+
+    /// `local`, a direction in the frame of the crown, in that of the world.
+    #[inline(always)]
+    pub(crate) fn world(&self, local: Vec3) -> Vec3 {
+        let [cos, sin] = self.turn;
+        Vec3::new(
+            cos * local.x + sin * local.z,
+            local.y,
+            cos * local.z - sin * local.x,
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{DVec3, Mat4, Vec4};
+
+    #[test]
+    fn what_a_ray_meets_is_projected_where_the_ray_went_through() {
+        let camera = Camera {
+            target_m: DVec3::new(1.0, 4.0, -2.0),
+            distance_m: 12.0,
+            yaw_deg: 37.0,
+            pitch_deg: 21.0,
+            fov_y_deg: 40.0,
+        };
+        let view = SceneView {
+            crowns: &[],
+            instances: &[],
+            meshes: &[],
+            leaves: &LeafSet::default(),
+            camera: &camera,
+            light: &Light::default(),
+            backdrop: Backdrop::Clear,
+        };
+        let settings = RenderSettings {
+            size: (300, 200),
+            fineness: 1,
+            ..RenderSettings::default()
+        };
+        let frame = Frame::new(&view, &settings);
+        let matrix = Mat4::from_cols_array_2d(&frame.clip_from_world);
+        for (x, y, distance) in [(150.0, 100.0, 3.0), (10.5, 33.0, 40.0), (299.0, 1.0, 7.0)] {
+            let point = Vec3::from(frame.eye) + frame.ray(x, y) * distance;
+            let clip = matrix * Vec4::new(point.x, point.y, point.z, 1.0);
+            let found = (
+                (clip.x / clip.w + 1.0) * 150.0,
+                (1.0 - clip.y / clip.w) * 100.0,
+            );
+            assert!((found.0 - x).abs() < 1e-2 && (found.1 - y).abs() < 1e-2);
+            let deep = (point - Vec3::from(frame.eye)).dot(Vec3::from(frame.forward));
+            assert!((clip.z / clip.w - frame.near / deep).abs() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn the_frame_of_a_crown_turns_with_it() {
+        let mut numbers: InstanceNumbers = Zeroable::zeroed();
+        numbers.turn = [0.0, 1.0];
+        // A quarter turn brings the front, +Z, to +X.
+        assert_eq!(numbers.world(Vec3::Z), Vec3::X);
+        assert_eq!(numbers.local(Vec3::X), Vec3::Z);
+    }
+}

@@ -1,0 +1,75 @@
+//! The stem that carries a crown.
+
+use super::Crown;
+use glam::DVec3;
+
+/// A tapered, slightly curved stem.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Trunk {
+    /// Middle of its foot, metres.
+    pub base_m: DVec3,
+    /// Where it ends within the crown, metres.
+    pub top_m: DVec3,
+    /// Radius above the root flare, metres.
+    pub base_radius_m: f64,
+    /// Radius at its end, metres.
+    pub top_radius_m: f64,
+    /// How far it bows out half-way, metres.
+    pub bow_m: DVec3,
+}
+
+/// Radius of a stem of the height 1: that of an oak that stands alone.
+const SLENDERNESS: f64 = 0.022;
+
+impl Trunk {
+    /// A stem from the tree's base into the middle of `crown`, as stout as the tree's height asks
+    /// for.
+    pub fn under(crown: &Crown) -> Self {
+        let (middle, _) = crown.tree_bounds();
+        let height = 2.0 * middle.y;
+        let base_radius_m = SLENDERNESS * height;
+        let foot = DVec3::new(0.0, 0.0, crown.center_m.z);
+        Self {
+            base_m: foot,
+            top_m: crown.center_m,
+            base_radius_m,
+            top_radius_m: 0.45 * base_radius_m,
+            bow_m: DVec3::new(0.5, 0.0, 0.3) * base_radius_m,
+        }
+    }
+
+    /// The axis at the share `along`, 0 … 1, of the height.
+    pub fn axis_m(&self, along: f64) -> DVec3 {
+        self.base_m.lerp(self.top_m, along) + self.bow_m * (4.0 * along * (1.0 - along))
+    }
+
+    /// The radius at the share `along`, metres, with the flare of the roots.
+    pub fn radius_m(&self, along: f64) -> f64 {
+        let height = self.top_m.y - self.base_m.y;
+        let above = along * height / (1.6 * self.base_radius_m);
+        let taper = self.base_radius_m + (self.top_radius_m - self.base_radius_m) * along;
+        taper * (1.0 + 0.55 * libm::exp(-above))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stem_tapers_from_its_foot_to_the_crown() {
+        let trunk = Trunk {
+            base_m: DVec3::ZERO,
+            top_m: DVec3::new(0.2, 6.0, 0.0),
+            base_radius_m: 0.3,
+            top_radius_m: 0.1,
+            bow_m: DVec3::X * 0.1,
+        };
+        assert_eq!(trunk.axis_m(0.0), trunk.base_m);
+        assert_eq!(trunk.axis_m(1.0), trunk.top_m);
+        let radii: Vec<f64> = (0..=10)
+            .map(|i| trunk.radius_m(f64::from(i) / 10.0))
+            .collect();
+        assert!(radii.is_sorted_by(|a, b| a > b));
+    }
+}

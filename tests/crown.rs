@@ -1,0 +1,179 @@
+//! `boscage crown` as users run it: the folder it writes, what it refuses, and making a crown again.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use boscage::export::{CrownFolderError, crown_file_names, crown_from_files};
+use boscage::raster::{Compression, Image, Straight, encode_grey_png, encode_png};
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::process::{Command, Output};
+
+/// A round crown of 120 pixels of noise in 12-pixel clumps, on a blue sky.
+fn write_inputs(folder: &Path) {
+    let inside = |x: u32, y: u32| (f64::from(x) - 64.0).hypot(f64::from(y) - 60.0) < 56.0;
+    let photo = (0..128 * 128u32).map(|i| {
+        let (x, y) = (i % 128, i / 128);
+        let clump = (x / 12 * 71 + y / 12 * 37) % 60;
+        let leaf = (x * 7919 + y * 104_729 + x * y * 31) % 50;
+        let green = (60 + clump + leaf) as u8;
+        match inside(x, y) {
+            true => Straight([green / 2, green, green / 4, 255]),
+            false => Straight([120, 170, 250, 255]),
+        }
+    });
+    let photo = Image::from_pixels(128, 128, photo.collect());
+    let mask = (0..128 * 128).map(|i| 255 * u8::from(inside(i % 128, i / 128)));
+    let mask = Image::from_pixels(128, 128, mask.collect());
+    std::fs::write(
+        folder.join("photo.png"),
+        encode_png(&photo, Compression::Fast),
+    )
+    .unwrap();
+    std::fs::write(
+        folder.join("mask.png"),
+        encode_grey_png(&mask, Compression::Fast),
+    )
+    .unwrap();
+}
+
+fn boscage(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_boscage"))
+        .current_dir(folder)
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+fn made(folder: &Path, out: &str, more: &[&str]) -> Output {
+    let usual = [
+        "crown",
+        "photo.png",
+        "--mask",
+        "mask.png",
+        "--size",
+        "64",
+        "--out",
+        out,
+        "--json",
+    ];
+    boscage(folder, &[&usual[..], more].concat())
+}
+
+fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let files = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap());
+    files
+        .map(|file| {
+            let name = file.file_name().into_string().unwrap();
+            (name, std::fs::read(file.path()).unwrap())
+        })
+        .collect()
+}
+
+#[test]
+fn a_crown_is_a_folder_that_reads_back_and_can_be_made_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    write_inputs(at);
+    let first = made(
+        at,
+        "a",
+        &["--threads", "1", "--height", "8", "--copies", "2"],
+    );
+    assert!(
+        first.status.success(),
+        "{}",
+        String::from_utf8_lossy(&first.stderr)
+    );
+    let files = contents(&at.join("a"));
+    let mut names = crown_file_names();
+    names.sort();
+    assert_eq!(files.keys().cloned().collect::<Vec<_>>(), names);
+
+    let read = |name: &str| Ok::<_, CrownFolderError>(files[name].clone());
+    let (crown, record) = crown_from_files(read).unwrap();
+    assert_eq!((record.size, crown.color.size()), (64, 64));
+    // Eight metres of crown on a trunk of a fifth of that; as deep as it is wide.
+    let (low, high) = crown.base_mesh.bounds().unwrap();
+    assert!(
+        (low.y - 1.6).abs() < 0.2 && (high.y - 9.6).abs() < 0.2,
+        "{low} {high}"
+    );
+    assert!((high.z - low.z - 8.0).abs() < 0.5 && (high.z + low.z).abs() < 1e-3);
+    assert!((crown.center_m.y - 5.6).abs() < 0.1 && crown.center_m.x.abs() < 0.1);
+    let (shortest, longest) = crown.radius_range_m();
+    assert!(shortest > 2.5 && longest < 5.5, "{shortest} {longest}");
+
+    // Other threads, the same bytes; kept by --resume; made again from its record alone.
+    let second = made(
+        at,
+        "b",
+        &["--threads", "3", "--height", "8", "--copies", "2"],
+    );
+    assert!(second.status.success());
+    assert!(contents(&at.join("b")) == files);
+    let kept = made(at, "a", &["--resume", "--height", "8", "--copies", "2"]);
+    let answer: Value = serde_json::from_slice(&kept.stdout).unwrap();
+    assert_eq!(answer["kept"], true);
+    let again = boscage(at, &["crown", "--recipe", "a/crown.json", "--out", "c"]);
+    assert!(
+        again.status.success(),
+        "{}",
+        String::from_utf8_lossy(&again.stderr)
+    );
+    assert!(contents(&at.join("c")) == files);
+}
+
+#[test]
+fn the_photograph_in_front_changes_the_front_only_in_colour_and_relief() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    write_inputs(at);
+    assert!(made(at, "plain", &[]).status.success());
+    assert!(made(at, "front", &["--photo-front"]).status.success());
+    let [plain, front] = ["plain", "front"].map(|name| contents(&at.join(name)));
+    assert!(plain["color_pz.png"] != front["color_pz.png"]);
+    assert!(plain["base_mesh.ply"] == front["base_mesh.ply"]);
+}
+
+#[test]
+fn bad_input_is_one_line_that_names_the_file_and_writes_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    write_inputs(at);
+    let empty = encode_grey_png(&Image::filled(128, 128, 0), Compression::Fast);
+    std::fs::write(at.join("empty.png"), empty).unwrap();
+    let small = encode_grey_png(&Image::filled(5, 5, 255), Compression::Fast);
+    std::fs::write(at.join("small.png"), small).unwrap();
+    let run = |mask: &str, more: &[&str]| {
+        let usual = ["crown", "photo.png", "--mask", mask, "--out", "x"];
+        boscage(at, &[&usual[..], more].concat())
+    };
+    let cases: [(Output, &str); 7] = [
+        (run("empty.png", &[]), "empty.png: the mask is empty"),
+        (run("small.png", &[]), "small.png: the mask is 5×5"),
+        (run("none.png", &[]), "none.png: "),
+        (run("mask.png", &["--k", "1+"]), "--k: "),
+        (
+            run("mask.png", &["--size", "100"]),
+            "size is 100, not a multiple of 16",
+        ),
+        (run("mask.png", &["--relief", "nan"]), "rho is NaN"),
+        (
+            boscage(at, &["crown", "--recipe", "photo.png", "--out", "x"]),
+            "photo.png: ",
+        ),
+    ];
+    for (output, expected) in cases {
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        assert!(
+            message.starts_with("error: ") && message.lines().count() == 1,
+            "{message}"
+        );
+        assert!(message.contains(expected), "{message}");
+    }
+    assert!(!at.join("x").exists());
+}

@@ -1,0 +1,123 @@
+//! Cubemaps of the foliage of real crowns: no edge, no corner, whatever the threads.
+//!
+//! The photographs and masks are those of `BOSCAGE_DATA` (default `../shared/data`); without them the
+//! tests say so and pass.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![allow(
+    clippy::print_stderr,
+    reason = "figures are for the reader of the test's output"
+)]
+
+use boscage::base::{Cancel, Progress, Seed, with_threads};
+use boscage::crown::crown_center;
+use boscage::raster::{CubeFace, Cubemap, Image, Mask, ReadLimits, Straight, read_image};
+use boscage::synth::{
+    CrownSurface, CubemapSettings, Extent, FoliageCubemap, edge_statistic, extent_of,
+    foliage_cubemap, with_photo_front,
+};
+use glam::DVec3;
+use std::path::{Path, PathBuf};
+
+const CROWNS: [&str; 4] = [
+    "white_oak_dense_01",
+    "red_maple_autumn_dense_01",
+    "ponderosa_pine_01",
+    "bald_cypress_01",
+];
+
+fn data() -> Option<PathBuf> {
+    let folder = std::env::var_os("BOSCAGE_DATA").map_or("../shared/data".into(), PathBuf::from);
+    let found = folder.join("photos").is_dir();
+    if !found {
+        eprintln!("left out: no photographs in {}", folder.display());
+    }
+    found.then_some(folder)
+}
+
+fn photo_and_mask(data: &Path, name: &str) -> (Image<Straight>, Mask) {
+    let read = |path: PathBuf| read_image(&path, ReadLimits::default()).unwrap();
+    let photo = read(data.join(format!("photos/{name}.jpg")));
+    let mask = read(data.join(format!("masks/{name}.mask.png")));
+    (photo, mask.map(|pixel| pixel.0[0] >= 128))
+}
+
+fn made(photo: &Image<Straight>, mask: &Mask, size: u32) -> FoliageCubemap {
+    let extent = extent_of(mask, crown_center(mask).unwrap()).unwrap();
+    let settings = CubemapSettings {
+        size,
+        ..CubemapSettings::default()
+    };
+    let (silent, cancel) = (Progress::silent(), Cancel::new());
+    foliage_cubemap(photo, mask, extent, &settings, Seed(0), &silent, &cancel).unwrap()
+}
+
+/// An ellipsoid as the crown's surface.
+fn ellipsoid(extent: Extent) -> Cubemap<f32> {
+    Cubemap::from_directions(64, |direction| {
+        let d = direction.normalize();
+        let vertical = if d.y > 0.0 { extent.up } else { extent.down };
+        let unit = DVec3::new(d.x / extent.across, d.y / vertical, d.z / extent.depth);
+        (1.0 / unit.length()) as f32
+    })
+}
+
+#[test]
+fn edges_and_corners_differ_no_more_than_lines_inside_faces() {
+    let Some(data) = data() else { return };
+    let mut ranks = Vec::new();
+    for name in CROWNS {
+        let (photo, mask) = photo_and_mask(&data, name);
+        let foliage = made(&photo, &mask, 128);
+        let plain = edge_statistic(&foliage.color);
+        let center = crown_center(&mask).unwrap();
+        let radius = ellipsoid(extent_of(&mask, center).unwrap());
+        let surface = CrownSurface {
+            center,
+            radius: &radius,
+        };
+        let front = with_photo_front(&foliage, surface, &Cancel::new()).unwrap();
+        let front = edge_statistic(&front);
+        eprintln!("{name}: {plain:?}, with the photograph {front:?}");
+        for statistic in [plain, front] {
+            assert!(statistic.edges <= 1.15 * statistic.interior, "{name}");
+            assert!(statistic.edge_rank < 0.999, "{name}");
+            assert!(statistic.corner_rank < 0.999, "{name}");
+            ranks.extend([statistic.edge_rank, statistic.corner_rank]);
+        }
+    }
+    // Not one of them stands out, nor do all of them lean the same way.
+    let mean = ranks.iter().sum::<f64>() / ranks.len() as f64;
+    assert!(mean < 0.75, "{mean}");
+}
+
+#[test]
+fn the_photograph_stays_on_the_front_and_only_there() {
+    let Some(data) = data() else { return };
+    let (photo, mask) = photo_and_mask(&data, CROWNS[0]);
+    let foliage = made(&photo, &mask, 64);
+    let center = crown_center(&mask).unwrap();
+    let radius = ellipsoid(extent_of(&mask, center).unwrap());
+    let surface = CrownSurface {
+        center,
+        radius: &radius,
+    };
+    let front = with_photo_front(&foliage, surface, &Cancel::new()).unwrap();
+    let changed = |face: CubeFace| {
+        let pairs = front.face(face).pixels().iter();
+        let pairs = pairs.zip(foliage.color.face(face).pixels());
+        pairs.filter(|(a, b)| a != b).count()
+    };
+    let share = changed(CubeFace::PosZ) as f64 / (64.0 * 64.0);
+    eprintln!("{share:.2} of the front is the photograph's");
+    assert!(share > 0.6);
+    assert_eq!(changed(CubeFace::NegZ), 0);
+}
+
+#[test]
+fn threads_change_nothing() {
+    let Some(data) = data() else { return };
+    let (photo, mask) = photo_and_mask(&data, CROWNS[1]);
+    let of = |threads| with_threads(Some(threads), || made(&photo, &mask, 64).color).unwrap();
+    assert_eq!(of(1), of(3));
+}

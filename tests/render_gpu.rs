@@ -1,0 +1,312 @@
+//! The renderer for graphics cards against its twin on the processor, on whatever adapter there is.
+//!
+//! Where there is none the tests are reported as ignored, unless BOSCAGE_REQUIRE_GPU=1 says that
+//! there must be one. Since libtest cannot ignore a test once it runs, this file brings its own
+//! small harness; it takes the name of a test as libtest does, and ignores libtest's options.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![allow(clippy::print_stdout, reason = "a harness tells of its tests")]
+
+use boscage::base::{Cancel, Progress};
+use boscage::geometry::Mesh;
+use boscage::raster::{Cubemap, Image, Straight, encode_png};
+use boscage::render::{
+    Gpu, GpuRenderer, LeafClip, LeafSet, Mode, Occlusion, PreparedCrown, PreparedMesh, Proxy,
+    RenderError, RenderSettings, SceneView, Shortcut, View, cpu,
+};
+use boscage::scene::{Backdrop, Camera, Crown, CrownInstance, Light, Trunk};
+use glam::DVec3;
+use std::panic::catch_unwind;
+use std::process::ExitCode;
+
+/// A test, by its name.
+type Test = (&'static str, fn(&Gpu));
+
+const TESTS: &[Test] = &[
+    ("twins_agree_on_relief", twins_agree_on_relief),
+    ("twins_agree_on_leaves", twins_agree_on_leaves),
+    ("twins_agree_on_meshes", twins_agree_on_meshes),
+    ("twins_agree_on_every_view", twins_agree_on_every_view),
+    ("twins_agree_on_a_scene", twins_agree_on_a_scene),
+    ("proxies_make_one_picture", proxies_make_one_picture),
+    (
+        "too_large_a_picture_is_refused",
+        too_large_a_picture_is_refused,
+    ),
+    ("a_broken_shader_is_an_error", a_broken_shader_is_an_error),
+];
+
+fn main() -> ExitCode {
+    let wanted = std::env::args().skip(1).find(|word| !word.starts_with('-'));
+    let listed = std::env::args().any(|word| word == "--list");
+    let ours = |name: &str| wanted.as_ref().is_none_or(|part| name.contains(part));
+    let tests: Vec<&Test> = TESTS.iter().filter(|(name, _)| ours(name)).collect();
+    if listed {
+        tests.iter().for_each(|(name, _)| println!("{name}: test"));
+        return ExitCode::SUCCESS;
+    }
+    match Gpu::offscreen() {
+        Ok(gpu) => run(&gpu, &tests),
+        Err(error) => without_adapter(&error, &tests),
+    }
+}
+
+fn run(gpu: &Gpu, tests: &[&Test]) -> ExitCode {
+    println!("\nrunning {} tests on {}", tests.len(), gpu.name());
+    let mut failed = 0;
+    for (name, test) in tests {
+        let gpu = std::panic::AssertUnwindSafe(gpu);
+        let outcome = catch_unwind(|| test(*gpu));
+        println!(
+            "test {name} ... {}",
+            if outcome.is_ok() { "ok" } else { "FAILED" }
+        );
+        failed += usize::from(outcome.is_err());
+    }
+    let word = if failed == 0 { "ok" } else { "FAILED" };
+    let passed = tests.len() - failed;
+    println!("\ntest result: {word}. {passed} passed; {failed} failed; 0 ignored\n");
+    ExitCode::from(u8::from(failed > 0))
+}
+
+fn without_adapter(error: &RenderError, tests: &[&Test]) -> ExitCode {
+    let required = std::env::var_os("BOSCAGE_REQUIRE_GPU").is_some_and(|value| value == "1");
+    let word = if required { "FAILED" } else { "ignored" };
+    for (name, _) in tests {
+        println!("test {name} ... {word}, {error}");
+    }
+    let count = tests.len();
+    match required {
+        true => println!("\ntest result: FAILED. 0 passed; {count} failed; 0 ignored\n"),
+        false => println!("\ntest result: ok. 0 passed; 0 failed; {count} ignored\n"),
+    }
+    ExitCode::from(u8::from(required))
+}
+
+/// A lumpy crown: waves of several lengths, darker where it is deep.
+fn lumpy() -> Crown {
+    let relief = |d: DVec3| {
+        let mut sum = 0.0;
+        for (count, weight) in [(4.0, 0.5), (9.0, 0.3), (23.0, 0.2)] {
+            let wave = |x: f64, phase: f64| libm::sin(x * count + phase);
+            sum += weight * wave(d.x, 1.0) * wave(d.y, 2.0 + count) * wave(d.z, 4.0);
+        }
+        sum
+    };
+    let radius = |d: DVec3| 3.0 * (1.0 - 0.2 * d.y) * (1.0 + 0.5 * relief(d));
+    let color = |d: DVec3| {
+        let light = 0.7 + 0.5 * relief(d);
+        let [r, g, b] = [90.0, 125.0, 50.0].map(|c| (c * light).clamp(0.0, 255.0) as u8);
+        Straight([r, g, b, 255])
+    };
+    Crown {
+        center_m: DVec3::new(0.4, 5.0, -0.2),
+        radius_m: Cubemap::from_directions(128, |d| radius(d.normalize()) as f32),
+        color: Cubemap::from_directions(128, |d| color(d.normalize())),
+        height: Cubemap::filled(128, 0.5),
+        base_mesh: Mesh::default(),
+    }
+}
+
+fn prepared() -> Vec<PreparedCrown> {
+    vec![PreparedCrown::new(&lumpy(), &Cancel::new()).unwrap()]
+}
+
+fn front() -> Camera {
+    Camera::framing(DVec3::new(0.4, 5.0, -0.2), 4.5, (0.0, 0.0), 1.0)
+}
+
+fn renderer(gpu: &Gpu) -> GpuRenderer {
+    GpuRenderer::new(gpu.clone(), Proxy::Icosahedron).unwrap()
+}
+
+/// Share of the pixels whose values differ by more than 2 of 255 in a channel.
+fn differing(one: &Image<Straight>, other: &Image<Straight>) -> f64 {
+    let pairs = one.pixels().iter().zip(other.pixels());
+    let apart = |a: &Straight, b: &Straight| a.0.iter().zip(&b.0).any(|(a, b)| a.abs_diff(*b) > 2);
+    let count = pairs.filter(|(a, b)| apart(a, b)).count();
+    count as f64 / one.pixels().len() as f64
+}
+
+/// Draws with both and fails when more than half a percent of the pixels differ.
+fn assert_twins_agree(name: &str, gpu: &Gpu, view: &SceneView<'_>, settings: &RenderSettings) {
+    let card = renderer(gpu).picture(view, settings).unwrap();
+    let cancel = Cancel::new();
+    let twin = cpu::picture(view, settings, &Progress::silent(), &cancel).unwrap();
+    let share = differing(&card, &twin);
+    println!("{name}: {:.3} % of the pixels differ", 100.0 * share);
+    if let Ok(folder) = std::env::var("BOSCAGE_LOOK") {
+        for (who, image) in [("gpu", &card), ("cpu", &twin)] {
+            let png = encode_png(image, Default::default());
+            std::fs::write(format!("{folder}/{name}_{who}.png"), png).unwrap();
+        }
+    }
+    assert!(share <= 0.005, "{name}: {share}");
+    let opaque = twin
+        .pixels()
+        .iter()
+        .filter(|pixel| pixel.alpha() > 0)
+        .count();
+    assert!(opaque > 1000, "{name}: nothing was drawn");
+}
+
+fn settings() -> RenderSettings {
+    RenderSettings {
+        size: (512, 512),
+        fineness: 1,
+        ..RenderSettings::default()
+    }
+}
+
+fn with_view(camera: &Camera, backdrop: Backdrop, draw: impl FnOnce(&SceneView<'_>)) {
+    draw(&SceneView {
+        crowns: &prepared(),
+        instances: &[CrownInstance::plain(0)],
+        meshes: &[],
+        leaves: &LeafSet::default(),
+        camera,
+        light: &Light::default(),
+        backdrop,
+    });
+}
+
+fn twins_agree_on_relief(gpu: &Gpu) {
+    for (name, yaw, pitch, distance) in [
+        ("front", 0.0, 0.0, 1.0),
+        ("side", 90.0, 15.0, 1.0),
+        ("top", 30.0, 85.0, 1.0),
+        ("far", 200.0, -20.0, 12.0),
+        ("near", 45.0, 10.0, 0.3),
+    ] {
+        let camera = front().orbited(yaw, pitch).zoomed(distance);
+        with_view(&camera, Backdrop::Sky, |view| {
+            assert_twins_agree(name, gpu, view, &settings());
+        });
+    }
+    let fine = RenderSettings {
+        fineness: 2,
+        size: (256, 256),
+        ..settings()
+    };
+    with_view(&front(), Backdrop::Clear, |view| {
+        assert_twins_agree("fine", gpu, view, &fine);
+    });
+}
+
+fn twins_agree_on_leaves(gpu: &Gpu) {
+    for (name, clip, mode, distance) in [
+        ("leaves", LeafClip::Center, Mode::Leaves, 1.0),
+        ("leaves_cut", LeafClip::Fragment, Mode::Leaves, 1.0),
+        ("leaves_far", LeafClip::Center, Mode::Leaves, 6.0),
+        ("leaves_near", LeafClip::Center, Mode::Leaves, 0.4),
+        ("leaves_mixed", LeafClip::Center, Mode::Switched, 1.0),
+    ] {
+        let camera = front().orbited(30.0, 12.0).zoomed(distance);
+        let mut settings = RenderSettings { mode, ..settings() };
+        settings.leaves.clip = clip;
+        let middle = camera.eye_m().distance(DVec3::new(0.4, 5.0, -0.2));
+        settings.switch.nearest_m = middle;
+        settings.switch.farthest_m = middle;
+        with_view(&camera, Backdrop::Studio, |view| {
+            assert_twins_agree(name, gpu, view, &settings);
+        });
+    }
+}
+
+fn twins_agree_on_meshes(gpu: &Gpu) {
+    let crown = lumpy();
+    let meshes = [
+        PreparedMesh::of_trunk(&Trunk::under(&crown), &crown),
+        PreparedMesh::of_crown(&crown, 24),
+    ];
+    let camera = front().orbited(30.0, 12.0);
+    let settings = RenderSettings {
+        mode: Mode::Mesh,
+        ..settings()
+    };
+    with_view(&camera, Backdrop::Sky, |view| {
+        let view = SceneView {
+            meshes: &meshes,
+            ..*view
+        };
+        assert_twins_agree("mesh", gpu, &view, &settings);
+    });
+}
+
+fn twins_agree_on_every_view(gpu: &Gpu) {
+    for view in [View::Steps, View::Normals, View::Depth, View::RadiusError] {
+        let settings = RenderSettings { view, ..settings() };
+        let name = format!("{view:?}");
+        with_view(&front(), Backdrop::Clear, |scene| {
+            assert_twins_agree(&name, gpu, scene, &settings);
+        });
+    }
+    let mut thesis = settings();
+    thesis.occlusion = Occlusion::Terms;
+    for shortcut in [Shortcut::None, Shortcut::Bounded, Shortcut::BinaryOnly] {
+        thesis.relief.shortcut = shortcut;
+        let name = format!("{shortcut:?}");
+        with_view(&front(), Backdrop::Studio, |scene| {
+            assert_twins_agree(&name, gpu, scene, &thesis);
+        });
+    }
+}
+
+fn twins_agree_on_a_scene(gpu: &Gpu) {
+    let instances: Vec<CrownInstance> = (0..9)
+        .map(|i| CrownInstance {
+            base_m: DVec3::new(
+                f64::from(i % 3) * 4.0 - 4.0,
+                0.0,
+                f64::from(i / 3) * 4.0 - 4.0,
+            ),
+            yaw_deg: 40.0 * f64::from(i),
+            scale: 0.6 + 0.07 * f64::from(i),
+            tint: [1.0, 1.0 - 0.05 * i as f32, 0.9],
+            ..CrownInstance::plain(0)
+        })
+        .collect();
+    let view = SceneView {
+        crowns: &prepared(),
+        instances: &instances,
+        meshes: &[],
+        leaves: &LeafSet::default(),
+        camera: &Camera::framing(DVec3::new(0.0, 4.0, 0.0), 9.0, (20.0, 25.0), 1.0),
+        light: &Light::default(),
+        backdrop: Backdrop::Studio,
+    };
+    assert_twins_agree("scene", gpu, &view, &settings());
+}
+
+fn proxies_make_one_picture(gpu: &Gpu) {
+    with_view(&front().orbited(33.0, 12.0), Backdrop::Clear, |view| {
+        let [one, other] = [Proxy::Icosahedron, Proxy::Cube].map(|proxy| {
+            let mut renderer = GpuRenderer::new(gpu.clone(), proxy).unwrap();
+            renderer.picture(view, &settings()).unwrap()
+        });
+        assert_eq!(differing(&one, &other), 0.0);
+    });
+}
+
+fn too_large_a_picture_is_refused(gpu: &Gpu) {
+    let most = gpu.longest_side();
+    let settings = RenderSettings {
+        size: (most, 8),
+        fineness: 2,
+        ..settings()
+    };
+    with_view(&front(), Backdrop::Clear, |view| {
+        let mut renderer = renderer(gpu);
+        let error = renderer.picture(view, &settings).unwrap_err();
+        assert!(matches!(error, RenderError::TooLarge { .. }), "{error}");
+        // And it draws on.
+        assert_eq!(Mode::default(), Mode::Relief);
+        assert!(renderer.picture(view, &self::settings()).is_ok());
+    });
+}
+
+fn a_broken_shader_is_an_error(gpu: &Gpu) {
+    let broken = GpuRenderer::with_shaders(gpu.clone(), Proxy::Cube, |_| "no shader".into());
+    assert!(broken.is_err());
+    assert!(GpuRenderer::new(gpu.clone(), Proxy::Cube).is_ok());
+}

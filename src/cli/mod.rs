@@ -32,6 +32,7 @@ mod output;
 mod polygons;
 mod recolor;
 mod records;
+mod regions;
 mod render;
 mod reporter;
 mod samples;

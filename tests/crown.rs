@@ -210,7 +210,8 @@ fn regions_stand_at_their_depths_and_are_recorded() {
     let (crown, record) = crown_from_files(read).unwrap();
     assert_eq!(record.recipe["regions"][0]["label"], 100);
     assert_eq!(record.recipe["regions"][1]["depth_px"], -12.0);
-    // 55 pixels of 107 are ten metres; the volume is 64 pixels across, a ninth of which is 2 metres.
+    // Discs of 55 pixels stand for ten metres, so that all 107 are 19.5 metres, and 64 pixels of the
+    // volume: between the regions lie 24 of those, 7.3 metres.
     let foremost = |left: bool| {
         let of_side = crown.base_mesh.positions.iter();
         let of_side = of_side.filter(|p| (p.x < 0.0) == left && p.x.abs() > 3.0);
@@ -274,7 +275,10 @@ fn a_signal_at_any_stage_leaves_nothing() {
             }
             code => {
                 assert_eq!(code, Some(0), "{stage}");
-                assert!(!killed || ["relief", "write"].contains(&stage), "{stage}");
+                assert!(
+                    !killed || ["assemble", "relief", "write"].contains(&stage),
+                    "{stage}"
+                );
                 assert_eq!(contents(&at.join(&out)).len(), crown_file_names().len());
             }
         }

@@ -161,10 +161,10 @@ fn the_preview_comes_once_before_seams_are_corrected_and_looks_like_the_texture(
         panic!("{} previews", previews.len())
     };
     assert_eq!((preview.width(), preview.height()), (200, 120));
-    // The same pieces: most pixels stay, seams do not.
+    // The same pieces: their insides stay, seams do not.
     let pairs = preview.pixels().iter().zip(made.image.pixels());
     let same = pairs.filter(|(a, b)| a == b).count();
-    assert!(same > 200 * 120 / 2 && same < 200 * 120, "{same}");
+    assert!(same > 200 * 120 / 4 && same < 200 * 120, "{same}");
 }
 
 /// Notes that the correction has begun.

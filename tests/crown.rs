@@ -177,3 +177,110 @@ fn bad_input_is_one_line_that_names_the_file_and_writes_nothing() {
     }
     assert!(!at.join("x").exists());
 }
+
+/// A mask of two discs side by side, grey 100 and 200, of the photograph's size, and its regions.
+fn write_regions(folder: &Path) {
+    let grey = |x: u32, y: u32| {
+        let inside = |cx: f64| (f64::from(x) - cx).hypot(f64::from(y) - 60.0) < 28.0;
+        match (inside(38.0), inside(90.0)) {
+            (true, _) => 100,
+            (false, true) => 200,
+            _ => 0,
+        }
+    };
+    let mask = (0..128 * 128).map(|i| grey(i % 128, i / 128)).collect();
+    let mask = encode_grey_png(&Image::from_pixels(128, 128, mask), Compression::Fast);
+    std::fs::write(folder.join("mask.png"), mask).unwrap();
+    let regions = r#"{"regions":[{"label":100,"k":2,"depth_px":12},
+        {"label":200,"k":"1","depth_px":-12}]}"#;
+    std::fs::write(folder.join("regions.json"), regions).unwrap();
+}
+
+#[test]
+fn regions_stand_at_their_depths_and_are_recorded() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    write_inputs(at);
+    write_regions(at);
+    let first = made(at, "a", &["--regions", "regions.json", "--height", "10"]);
+    let message = String::from_utf8_lossy(&first.stderr);
+    assert!(first.status.success(), "{message}");
+    let files = contents(&at.join("a"));
+    let read = |name: &str| Ok::<_, CrownFolderError>(files[name].clone());
+    let (crown, record) = crown_from_files(read).unwrap();
+    assert_eq!(record.recipe["regions"][0]["label"], 100);
+    assert_eq!(record.recipe["regions"][1]["depth_px"], -12.0);
+    // Discs of 55 pixels stand for ten metres, so that all 107 are 19.5 metres, and 64 pixels of the
+    // volume: between the regions lie 24 of those, 7.3 metres.
+    let foremost = |left: bool| {
+        let of_side = crown.base_mesh.positions.iter();
+        let of_side = of_side.filter(|p| (p.x < 0.0) == left && p.x.abs() > 3.0);
+        of_side.map(|p| p.z).fold(f64::NEG_INFINITY, f64::max)
+    };
+    assert!(
+        foremost(true) > foremost(false) + 5.0,
+        "{} {}",
+        foremost(true),
+        foremost(false)
+    );
+
+    let again = boscage(at, &["crown", "--recipe", "a/crown.json", "--out", "b"]);
+    let message = String::from_utf8_lossy(&again.stderr);
+    assert!(again.status.success(), "{message}");
+    assert!(contents(&at.join("b")) == files);
+
+    std::fs::write(
+        at.join("wrong.json"),
+        r#"{"regions":[{"label":7,"depth_px":1}]}"#,
+    )
+    .unwrap();
+    let wrong = made(at, "c", &["--regions", "wrong.json"]);
+    let message = String::from_utf8(wrong.stderr).unwrap();
+    assert_eq!(wrong.status.code(), Some(2), "{message}");
+    assert!(message.starts_with("error: wrong.json: no pixel of mask.png has the grey 7"));
+    assert!(!at.join("c").exists());
+}
+
+#[cfg(unix)]
+#[test]
+fn a_signal_at_any_stage_leaves_nothing() {
+    use std::io::{BufRead as _, BufReader};
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    write_inputs(at);
+    let stages = [
+        "read", "shape", "exemplar", "refine", "assemble", "relief", "write",
+    ];
+    for (number, stage) in stages.into_iter().enumerate() {
+        let out = format!("new{number}/crown");
+        let mut child = Command::new(env!("CARGO_BIN_EXE_boscage"))
+            .current_dir(at)
+            .args(["crown", "photo.png", "--mask", "mask.png", "--size", "128"])
+            .args(["--progress", "json", "--threads", "1", "--out", &out])
+            .stderr(std::process::Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
+        let name = format!("\"{stage}\"");
+        let begun = lines.find(|line| line.as_ref().unwrap().contains(&name));
+        let pid = child.id().to_string();
+        let kill = Command::new("kill").args(["-INT", &pid]).status();
+        // One that has finished by then has written all of it.
+        let killed = kill.unwrap().success() && begun.is_some();
+        let last = lines.map(|line| line.unwrap()).last();
+        match child.wait().unwrap().code() {
+            Some(3) => {
+                assert_eq!(last.as_deref(), Some("error: cancelled"));
+                assert!(!at.join(format!("new{number}")).exists(), "{stage}");
+            }
+            code => {
+                assert_eq!(code, Some(0), "{stage}");
+                assert!(
+                    !killed || ["assemble", "relief", "write"].contains(&stage),
+                    "{stage}"
+                );
+                assert_eq!(contents(&at.join(&out)).len(), crown_file_names().len());
+            }
+        }
+    }
+}

@@ -112,6 +112,27 @@ fn the_photograph_stays_on_the_front_and_only_there() {
     eprintln!("{share:.2} of the front is the photograph's");
     assert!(share > 0.6);
     assert_eq!(changed(CubeFace::NegZ), 0);
+
+    // The foliage grows out of it: texels differ no more where the photograph ends than elsewhere.
+    let (mut across, mut within) = ([0.0, 0.0], [0.0, 0.0]);
+    for face in CubeFace::ALL {
+        let (front, foliage) = (front.face(face), foliage.color.face(face));
+        let is_photo = |x: u32, y: u32| front.at(x, y) != foliage.at(x, y);
+        for (x, y) in (0..63).flat_map(|y| (0..63).map(move |x| (x, y))) {
+            for (u, v) in [(x + 1, y), (x, y + 1)] {
+                let pairs = front.at(x, y).0.into_iter().zip(front.at(u, v).0);
+                let step: f64 = pairs.map(|(a, b)| f64::from(a.abs_diff(b))).sum();
+                let sum = match is_photo(x, y) == is_photo(u, v) {
+                    true => &mut within,
+                    false => &mut across,
+                };
+                *sum = [sum[0] + step, sum[1] + 1.0];
+            }
+        }
+    }
+    let [across, within] = [across, within].map(|sum| sum[0] / sum[1]);
+    eprintln!("steps where the photograph ends {across:.1}, elsewhere {within:.1}");
+    assert!(across < 1.15 * within, "{across} {within}");
 }
 
 #[test]

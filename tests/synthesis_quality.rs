@@ -23,12 +23,12 @@ use std::path::{Path, PathBuf};
 
 type Picture = Image<Straight>;
 
-/// The upper part of a built-in sample, which is all crown, and its mask.
+/// A part of a built-in sample's crown, and its mask.
 fn sample(name: &str) -> (Picture, Mask) {
     let sample = samples().iter().find(|sample| sample.name() == name);
     let bytes = sample.unwrap().bundled();
     let whole = read_image_from_memory(bytes, Path::new(name), ReadLimits::default()).unwrap();
-    let picture = whole.cropped(0, 0, whole.width(), whole.height() / 2);
+    let picture = whole.cropped(whole.width() / 2 - 160, whole.height() / 4, 320, 256);
     let mask = picture.map(|pixel| pixel.alpha() > 127);
     (picture, mask)
 }
@@ -112,10 +112,11 @@ fn what_is_given_stays_and_the_rest_continues_it() {
         assert!(known.is_none_or(|known| known == pixel[..3]));
         assert_eq!(known.is_none(), second.sources.pixels()[at].is_some());
     }
-    // The columns where given and new pixels meet differ no more than columns elsewhere do.
-    let step = |x: u32| -> f64 {
+    // What grew out of the given pixels follows them better than another texture pasted there.
+    let third = made(&exemplar, &Image::filled(160, 96, None), 3).image;
+    let step = |at: (u32, &Picture), next: (u32, &Picture)| -> f64 {
         let rows = (0..96).map(|y| {
-            let (a, b) = (second.image.at(x - 1, y).0, second.image.at(x, y).0);
+            let (a, b) = (at.1.at(at.0, y).0, next.1.at(next.0, y).0);
             a.iter()
                 .zip(b)
                 .map(|(&a, b)| f64::from(a.abs_diff(b)))
@@ -123,9 +124,63 @@ fn what_is_given_stays_and_the_rest_continues_it() {
         });
         rows.sum::<f64>() / 96.0
     };
-    let elsewhere = (1..50).map(step).sum::<f64>() / 49.0;
-    for seam in [step(50), step(110)] {
-        assert!(seam < 1.3 * elsewhere, "{seam} {elsewhere}");
+    let image = &second.image;
+    let grown = step((49, image), (50, image)) + step((109, image), (110, image));
+    let pasted = step((49, image), (50, &third)) + step((109, &third), (110, image));
+    eprintln!("steps beside given pixels: grown {grown:.1}, pasted {pasted:.1}");
+    assert!(grown < 0.85 * pasted, "{grown} {pasted}");
+}
+
+#[test]
+fn the_preview_comes_once_before_seams_are_corrected_and_looks_like_the_texture() {
+    let exemplar = exemplar("oak");
+    let known = Image::filled(200, 120, None);
+    let refined = std::sync::atomic::AtomicBool::new(false);
+    let noted = Noted(&refined);
+    let progress = Progress::to(&noted);
+    let mut previews = Vec::new();
+    let settings = SynthesisSettings::default();
+    let shown = |picture| {
+        let late = refined.load(std::sync::atomic::Ordering::Relaxed);
+        assert!(!late, "the preview came after the first correction");
+        previews.push(picture);
+    };
+    let cancel = Cancel::new();
+    let made = texture_around(
+        &exemplar,
+        &known,
+        &settings,
+        Seed(4),
+        shown,
+        &progress,
+        &cancel,
+    )
+    .unwrap();
+    assert!(refined.load(std::sync::atomic::Ordering::Relaxed));
+    let [preview] = &previews[..] else {
+        panic!("{} previews", previews.len())
+    };
+    assert_eq!((preview.width(), preview.height()), (200, 120));
+    // The same pieces: their insides stay, seams do not.
+    let pairs = preview.pixels().iter().zip(made.image.pixels());
+    let same = pairs.filter(|(a, b)| a == b).count();
+    assert!(same > 200 * 120 / 4 && same < 200 * 120, "{same}");
+}
+
+/// Notes that the correction has begun.
+struct Noted<'a>(&'a std::sync::atomic::AtomicBool);
+
+impl Reporter for Noted<'_> {
+    fn report(&self, update: Update<'_>) {
+        if matches!(
+            update,
+            Update::Advanced {
+                stage: "refine",
+                ..
+            }
+        ) {
+            self.0.store(true, std::sync::atomic::Ordering::Relaxed);
+        }
     }
 }
 
@@ -239,6 +294,10 @@ fn real_foliage(data: &Path, name: &str, side: u32) -> Picture {
 const EXEMPLAR: u32 = 112;
 const TEXTURE: u32 = 96;
 
+/// Textures of ours that are compared with the mean of two of theirs: one of this size is a sample
+/// of some ten pieces, and may be unlucky.
+const SEEDS: u64 = 4;
+
 #[test]
 fn textures_are_as_like_their_exemplar_as_those_of_wei_and_levoy() {
     let Some(data) = data() else { return };
@@ -261,11 +320,8 @@ fn textures_are_as_like_their_exemplar_as_those_of_wei_and_levoy() {
             };
             let all = Image::filled(EXEMPLAR, EXEMPLAR, true);
             let exemplar = Exemplar::new(&foliage, &all, &settings, &Cancel::new()).unwrap();
-            let settings = SynthesisSettings {
-                patch: 32,
-                ..SynthesisSettings::default()
-            };
-            let distances = (0..3).map(|seed| {
+            let settings = SynthesisSettings::default();
+            let distances = (0..SEEDS).map(|seed| {
                 let (silent, cancel) = (Progress::silent(), Cancel::new());
                 let ours = texture(
                     &exemplar,
@@ -278,17 +334,24 @@ fn textures_are_as_like_their_exemplar_as_those_of_wei_and_levoy() {
                 );
                 patch_distance((&ours.unwrap(), None), (&foliage, None))
             });
-            let ours = distances.sum::<f64>() / 3.0;
-            let theirs = wei_levoy::texture(&foliage, TEXTURE, Seed(1));
-            (ours, patch_distance((&theirs, None), (&foliage, None)))
+            let ours = distances.sum::<f64>() / SEEDS as f64;
+            let theirs = (1..=2).map(|seed| {
+                let theirs = wei_levoy::texture(&foliage, TEXTURE, Seed(seed));
+                patch_distance((&theirs, None), (&foliage, None))
+            });
+            (ours, theirs.sum::<f64>() / 2.0)
         })
         .collect();
     for (name, (ours, theirs)) in names.iter().zip(&figures) {
         eprintln!("{name}: distance {ours:.2}, Wei & Levoy {theirs:.2}");
     }
-    for (name, (ours, theirs)) in names.iter().zip(figures) {
+    for (name, (ours, theirs)) in names.iter().zip(&figures) {
         assert!(ours <= theirs, "{name}: {ours} {theirs}");
     }
+    let sums = figures
+        .iter()
+        .fold((0.0, 0.0), |sum, one| (sum.0 + one.0, sum.1 + one.1));
+    assert!(sums.0 < 0.7 * sums.1, "{figures:?}");
 }
 
 #[test]
@@ -353,10 +416,10 @@ mod wei_levoy {
         let places: Vec<(u32, u32)> = (3..height - 4)
             .flat_map(|y| (3..width - 4).map(move |x| (x, y)))
             .collect();
-        let windows: Vec<[f32; NUMBERS]> = places
+        let windows = places
             .iter()
-            .map(|&(x, y)| window(source, coarse.map(|(_, theirs)| theirs), x, y))
-            .collect();
+            .map(|&(x, y)| window(source, coarse.map(|(_, theirs)| theirs), x, y));
+        let windows = Windows::new(windows.collect());
         let mut made = Image::filled(side, side, [0.0; 3]);
         for pixel in made.pixels_mut() {
             let (x, y) = places[random.below(places.len())];
@@ -365,32 +428,76 @@ mod wei_levoy {
         for y in 0..side {
             for x in 0..side {
                 let wanted = window(&made, coarse.map(|(ours, _)| ours), x, y);
-                let (x0, y0) = places[nearest(&windows, &wanted)];
+                let (x0, y0) = places[windows.nearest(&wanted)];
                 made.set(x, y, source.at(x0, y0));
             }
         }
         made
     }
 
-    fn nearest(windows: &[[f32; NUMBERS]], wanted: &[f32; NUMBERS]) -> usize {
-        let (mut best, mut least) = (0, f32::INFINITY);
-        for (index, window) in windows.iter().enumerate() {
-            let mut sum = 0.0;
-            for (here, there) in wanted.chunks_exact(9).zip(window.chunks_exact(9)) {
-                sum += here
-                    .iter()
-                    .zip(there)
-                    .map(|(a, b)| (a - b) * (a - b))
-                    .sum::<f32>();
-                if sum >= least {
-                    break;
+    /// All windows, sorted by their means.
+    struct Windows {
+        /// The sum over a window by the root of its length, and which window.
+        order: Vec<(f32, usize)>,
+        windows: Vec<[f32; NUMBERS]>,
+    }
+
+    impl Windows {
+        fn new(windows: Vec<[f32; NUMBERS]>) -> Self {
+            let mut order: Vec<(f32, usize)> =
+                (0..).zip(&windows).map(|(i, w)| (level(w), i)).collect();
+            order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+            Self { order, windows }
+        }
+
+        /// The window nearest to `wanted`: an exhaustive search, in the order of the difference of the
+        /// means, which no distance is below; it ends where that exceeds the least.
+        fn nearest(&self, wanted: &[f32; NUMBERS]) -> usize {
+            let middle = level(wanted);
+            let mut above = self.order.partition_point(|(mean, _)| *mean < middle);
+            let mut below = above;
+            let (mut best, mut least) = (0, f32::INFINITY);
+            loop {
+                let gap = |at: Option<&(f32, usize)>| {
+                    at.map_or(f32::INFINITY, |(mean, _)| (mean - middle).abs())
+                };
+                let up = gap(self.order.get(above));
+                let down = gap(below.checked_sub(1).map(|at| &self.order[at]));
+                let gap = up.min(down);
+                if gap == f32::INFINITY || gap * gap * 0.999 > least {
+                    return best;
+                }
+                let index = if up <= down {
+                    above += 1;
+                    self.order[above - 1].1
+                } else {
+                    below -= 1;
+                    self.order[below].1
+                };
+                let distance = distance(&self.windows[index], wanted, least);
+                if distance < least {
+                    (best, least) = (index, distance);
                 }
             }
-            if sum < least {
-                (best, least) = (index, sum);
+        }
+    }
+
+    /// The length of a window along the diagonal: differences of it never exceed distances.
+    fn level(window: &[f32; NUMBERS]) -> f32 {
+        window.iter().sum::<f32>() / (NUMBERS as f32).sqrt()
+    }
+
+    /// The squared distance, or something not less than `limit`.
+    fn distance(window: &[f32; NUMBERS], wanted: &[f32; NUMBERS], limit: f32) -> f32 {
+        let mut sum = 0.0;
+        for (here, there) in wanted.chunks_exact(9).zip(window.chunks_exact(9)) {
+            let squares = here.iter().zip(there).map(|(a, b)| (a - b) * (a - b));
+            sum += squares.sum::<f32>();
+            if sum >= limit {
+                break;
             }
         }
-        best
+        sum
     }
 
     fn window(level: &Rgb, coarser: Option<&Rgb>, x: u32, y: u32) -> [f32; NUMBERS] {

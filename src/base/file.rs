@@ -79,28 +79,94 @@ pub fn read_limited(path: &Path, limit_bytes: u64) -> Result<Vec<u8>, FileError>
 /// # Errors
 /// [`FileError::Write`].
 pub fn write_atomic(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
-    let failed = |reason| FileError::Write {
+    Part::written(path, bytes)?.persist()
+}
+
+/// Writes `files` (path and content), making their folders where needed, all or nothing: no name
+/// is taken before all bytes are on the disk. `go_on` is asked before each; what it says no with
+/// is given back, and no file and no folder is left behind.
+///
+/// A disk that fails between the names being taken leaves the first of the files.
+///
+/// # Errors
+/// Those of `go_on`, and [`FileError::Write`].
+pub fn write_all_atomic<E: From<FileError>>(
+    files: &[(PathBuf, Vec<u8>)],
+    mut go_on: impl FnMut() -> Result<(), E>,
+) -> Result<(), E> {
+    let folders = missing_folders(files.iter().map(|(path, _)| path.as_path()));
+    let mut parts = Vec::with_capacity(files.len());
+    let outcome = files.iter().try_for_each(|(path, bytes)| {
+        go_on()?;
+        parts.push(Part::written(path, bytes)?);
+        Ok(())
+    });
+    let outcome = outcome.and_then(|()| go_on());
+    if let Err(error) = outcome {
+        drop(parts);
+        for folder in folders {
+            // One that somebody else has filled meanwhile stays.
+            let _ = fs::remove_dir(folder);
+        }
+        return Err(error);
+    }
+    Ok(parts.into_iter().try_for_each(Part::persist)?)
+}
+
+/// The folders of `paths` that do not exist, the innermost first.
+fn missing_folders<'a>(paths: impl Iterator<Item = &'a Path>) -> Vec<PathBuf> {
+    let mut missing: Vec<PathBuf> = paths
+        .flat_map(|path| path.ancestors().skip(1))
+        .filter(|folder| !folder.as_os_str().is_empty() && !folder.exists())
+        .map(Path::to_owned)
+        .collect();
+    missing.sort_unstable_by_key(|folder| std::cmp::Reverse(folder.components().count()));
+    missing.dedup();
+    missing
+}
+
+/// The bytes of a file on disk under a hidden name, which goes when it is dropped.
+struct Part<'a> {
+    path: &'a Path,
+    file: tempfile::NamedTempFile,
+}
+
+impl<'a> Part<'a> {
+    fn written(path: &'a Path, bytes: &[u8]) -> Result<Self, FileError> {
+        let failed = |reason| unwritten(path, reason);
+        let folder = match path.parent() {
+            Some(parent) if !parent.as_os_str().is_empty() => parent,
+            _ => Path::new("."),
+        };
+        fs::create_dir_all(folder).map_err(failed)?;
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".boscage-").suffix(".part");
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt as _;
+            // What a plain `File::create` would ask for; the umask takes its share.
+            builder.permissions(fs::Permissions::from_mode(0o666));
+        }
+        let mut file = builder.tempfile_in(folder).map_err(failed)?;
+        file.write_all(bytes).map_err(failed)?;
+        file.as_file().sync_data().map_err(failed)?;
+        Ok(Self { path, file })
+    }
+
+    /// Takes the name.
+    fn persist(self) -> Result<(), FileError> {
+        let Self { path, file } = self;
+        let persisted = file.persist(path);
+        persisted.map_err(|error| unwritten(path, error.error))?;
+        Ok(())
+    }
+}
+
+fn unwritten(path: &Path, reason: std::io::Error) -> FileError {
+    FileError::Write {
         path: path.to_owned(),
         reason,
-    };
-    let folder = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
-    fs::create_dir_all(folder).map_err(failed)?;
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".boscage-").suffix(".part");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt as _;
-        // What a plain `File::create` would ask for; the umask takes its share.
-        builder.permissions(fs::Permissions::from_mode(0o666));
     }
-    let mut file = builder.tempfile_in(folder).map_err(failed)?;
-    file.write_all(bytes).map_err(failed)?;
-    file.as_file().sync_data().map_err(failed)?;
-    file.persist(path).map_err(|error| failed(error.error))?;
-    Ok(())
 }
 
 #[cfg(test)]
@@ -141,5 +207,33 @@ mod tests {
         fs::write(path.join("keep"), b"").unwrap();
         assert!(write_atomic(&path, b"x").is_err());
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_batch_is_written_whole_or_leaves_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let files: Vec<(PathBuf, Vec<u8>)> = ["a/b/one", "a/b/two", "a/three"]
+            .map(|name| (folder.path().join(name), name.as_bytes().to_vec()))
+            .into();
+        for stop in 0..4 {
+            let mut asked = 0;
+            let outcome = write_all_atomic(&files, || {
+                asked += 1;
+                match asked > stop {
+                    true => Err(FileError::Read {
+                        path: PathBuf::from("stopped"),
+                        reason: std::io::ErrorKind::Interrupted.into(),
+                    }),
+                    false => Ok(()),
+                }
+            });
+            assert!(matches!(outcome, Err(FileError::Read { .. })));
+            assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0, "{stop}");
+        }
+        write_all_atomic::<FileError>(&files, || Ok(())).unwrap();
+        for (path, bytes) in &files {
+            assert_eq!(&read_limited(path, 100).unwrap(), bytes);
+        }
+        assert_eq!(fs::read_dir(folder.path().join("a/b")).unwrap().count(), 2);
     }
 }

@@ -3,12 +3,15 @@
 use super::failure::Failure;
 use super::input::{PictureFile, mask_from};
 use super::output::recipe;
+use super::regions::{Region, grey, region_masks, regions_from};
 use super::session::Session;
 use super::{Job, Stages};
 use crate::base::{Digest, Seed, read_limited};
-use crate::crown::Tangent;
+use crate::crown::{SubCrown, Tangent};
 use crate::export::{CROWN_RECORD, CrownRecord, crown_file_names, crown_files};
-use crate::pipeline::{CrownError, CrownSettings, crown};
+use crate::pipeline::{CrownError, CrownSettings, crown, crown_of_regions};
+use crate::raster::{Image, Mask, Straight, opaque_bounds};
+use crate::scene::Crown;
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -28,12 +31,17 @@ pub(super) struct Flags {
     #[arg(long, required_unless_present = "recipe", value_name = "MASK")]
     mask: Option<PathBuf>,
     /// Make the crown of a crown.json again, from the same files
-    #[arg(long, value_name = "crown.json", conflicts_with_all = ["photo", "mask", "k", "photo_front", "relief", "size", "copies", "height", "trunk_height"])]
+    #[arg(long, value_name = "crown.json", conflicts_with_all = ["photo", "mask", "k", "regions", "photo_front", "relief", "size", "copies", "height", "trunk_height"])]
     recipe: Option<PathBuf>,
     /// How steeply the crown leaves its silhouette: a number or a formula in i and j, 0 … 1 from left
     /// and top of the crown [default: so that it is as deep as it is wide]
     #[arg(long, value_name = "EXPR", allow_hyphen_values = true)]
     k: Option<String>,
+    /// Regions of the mask, by their grey values, each with its own k and depth, merged:
+    /// {"regions":[{"label":100,"k":2},{"label":200,"k":"1+j","depth_px":20}]}; depth_px is towards
+    /// the viewer, in pixels of a crown whose longer side has --size of them
+    #[arg(long, value_name = "FILE.json", conflicts_with = "k")]
+    regions: Option<PathBuf>,
     /// Keep the photograph on the front and let the rest grow out of it
     #[arg(long)]
     photo_front: bool,
@@ -63,6 +71,9 @@ struct Recipe {
     mask_digest: String,
     seed: u64,
     settings: CrownSettings,
+    /// Which greys of the mask are inflated by themselves; none: all of it at once.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    regions: Vec<Region>,
 }
 
 impl Job for Flags {
@@ -113,6 +124,8 @@ struct Inputs {
     photo: PictureFile,
     mask: PictureFile,
     recipe: Recipe,
+    /// Where the regions stand, if they were typed.
+    regions_file: Option<PathBuf>,
 }
 
 impl Flags {
@@ -127,6 +140,7 @@ impl Flags {
         let settings = self.settings()?;
         let bad = |error| Failure::BadInput(format!("{error}"));
         settings.check().map_err(bad)?;
+        let regions = self.regions.as_deref().map(regions_from).transpose()?;
         let photo = PictureFile::read(photo_path)?;
         let mask = PictureFile::read(mask_path)?;
         let recipe = Recipe {
@@ -136,11 +150,13 @@ impl Flags {
             mask_digest: mask.digest().to_string(),
             seed: session.options.seed,
             settings,
+            regions: regions.unwrap_or_default(),
         };
         Ok(Inputs {
             photo,
             mask,
             recipe,
+            regions_file: self.regions.clone(),
         })
     }
 
@@ -187,6 +203,7 @@ fn inputs_again(path: &Path) -> Result<Inputs, Failure> {
         photo,
         mask,
         recipe,
+        regions_file: None,
     })
 }
 
@@ -203,7 +220,10 @@ impl Recipe {
     fn digest(&self) -> Digest {
         let settings = serde_json::to_vec(&self.settings)
             .unwrap_or_else(|_| unreachable!("settings hold numbers only"));
+        let regions = serde_json::to_vec(&self.regions)
+            .unwrap_or_else(|_| unreachable!("regions hold numbers and formulas"));
         recipe("crown")
+            .with(&regions)
             .with(self.photo_digest.as_bytes())
             .with(self.mask_digest.as_bytes())
             .with(&self.seed.to_le_bytes())
@@ -240,33 +260,54 @@ impl Inputs {
         folder: &Path,
         digest: Digest,
     ) -> Result<CrownRecord, Failure> {
-        let photo = self.photo.decoded()?;
-        let mask = mask_from(&self.mask.decoded()?);
-        let seed = Seed(self.recipe.seed);
-        let settings = &self.recipe.settings;
-        let made = crown(
-            &photo,
-            &mask,
-            settings,
-            seed,
-            session.progress,
-            session.cancel,
-        );
-        let crown = made.map_err(|error| self.failure(&error))?;
+        let crown = self.crown(session)?;
         let recipe: Value = json!(self.recipe);
         let stage = session.progress.stage("write", 2);
         let record = CrownRecord::new(&crown, recipe.clone());
         let files = crown_files(&crown, recipe)
             .map_err(|error| Failure::of(self.photo.path().display(), error))?;
         stage.advance();
-        session.cancel.check()?;
-        for (name, bytes) in files {
-            session
-                .output
-                .write_item(&folder.join(name), bytes, digest)?;
-        }
+        let files = files.into_iter();
+        let files = files.map(|(name, bytes)| (folder.join(name), bytes));
+        session
+            .output
+            .write_items(files.collect(), digest, session.cancel)?;
         stage.advance();
         Ok(record)
+    }
+
+    fn crown(&self, session: &Session<'_>) -> Result<Crown, Failure> {
+        let (photo, image) = (self.photo.decoded()?, self.mask.decoded()?);
+        let Recipe { seed, settings, .. } = &self.recipe;
+        let (seed, progress, cancel) = (Seed(*seed), session.progress, session.cancel);
+        let made = if self.recipe.regions.is_empty() {
+            crown(&photo, &mask_from(&image), settings, seed, progress, cancel)
+        } else {
+            let regions = self.sub_crowns(&image, session)?;
+            crown_of_regions(&photo, &regions, settings, seed, progress, cancel)
+        };
+        made.map_err(|error| self.failure(&error))
+    }
+
+    /// The regions of the mask's picture `image`.
+    fn sub_crowns(
+        &self,
+        image: &Image<Straight>,
+        session: &Session<'_>,
+    ) -> Result<Vec<SubCrown>, Failure> {
+        let (regions, mask) = (&self.recipe.regions, self.mask.path());
+        let file = self.regions_file.as_deref().unwrap_or(mask);
+        let masks = region_masks(regions, file, image, mask, session)?;
+        let is_named = |grey: &u8| regions.iter().any(|region| region.label == *grey);
+        let bounds = opaque_bounds(&grey(image).map(is_named));
+        let longest = bounds.map_or(1, |bounds| bounds.width.max(bounds.height));
+        let photo_px = f64::from(longest) / f64::from(self.recipe.settings.size);
+        let sub_crown = |(region, mask): (&Region, Mask)| SubCrown {
+            mask,
+            tangent: region.k.clone(),
+            depth_px: region.depth_px * photo_px,
+        };
+        Ok(regions.iter().zip(masks).map(sub_crown).collect())
     }
 
     fn failure(&self, error: &CrownError) -> Failure {
@@ -274,7 +315,10 @@ impl Inputs {
             error if error.is_cancelled() => Failure::Cancelled,
             CrownError::Synthesis(_) => Failure::of(self.photo.path().display(), error),
             CrownError::Setting(_) => Failure::BadInput(error.to_string()),
-            CrownError::Tangent(_) => Failure::of("--k", error),
+            CrownError::Tangent(_) => match &self.regions_file {
+                Some(file) => Failure::of(file.display(), error),
+                None => Failure::of("--k", error),
+            },
             _ => Failure::of(self.mask.path().display(), error),
         }
     }

@@ -143,16 +143,11 @@ impl Flags {
         recipe: Digest,
     ) -> Result<(), Failure> {
         let stage = session.progress.stage("write", 2);
-        let files: Vec<Vec<u8>> = map
-            .faces()
-            .iter()
-            .map(|face| encode_png(face, Compression::Fast))
-            .collect();
+        let faces = paths.iter().cloned().zip(map.faces());
+        let files = faces.map(|(path, face)| (path, encode_png(face, Compression::Fast)));
+        let files = files.collect();
         stage.advance();
-        session.cancel.check()?;
-        for (path, file) in paths.iter().zip(files) {
-            session.output.write_item(path, file, recipe)?;
-        }
+        session.output.write_items(files, recipe, session.cancel)?;
         stage.advance();
         Ok(())
     }

@@ -3,26 +3,22 @@
 use super::failure::Failure;
 use super::input::PictureFile;
 use super::output::recipe;
+use super::regions::{Region, from_json, grey, region_masks, regions_from, usual_k};
 use super::session::Session;
 use super::{Job, Stages};
-use crate::base::{Digest, read_limited};
+use crate::base::Digest;
 use crate::crown::{
     BaseMeshError, Crossing, DistanceShape, Envelope, IterativeSettings, Method, PRESETS, Profile,
-    SubCrown, Tangent, base_mesh, copies_merged, crown_center, envelope, into_world,
-    labelled_regions, star_cells, sub_crowns_merged,
+    SubCrown, Tangent, base_mesh, copies_merged, crown_center, envelope, into_world, star_cells,
+    sub_crowns_merged,
 };
 use crate::export::{MeshParts, glb, obj};
 use crate::geometry::{Mesh, Topology};
 use crate::raster::{Image, Mask, Premultiplied, Rect, Straight, opaque_bounds, resized};
 use clap::{Args, ValueEnum};
 use glam::DVec3;
-use serde::Deserialize;
 use serde_json::{Value, json};
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-
-/// The largest file of a profile or of regions.
-const LARGEST_SETTINGS_BYTES: u64 = 1 << 20;
 
 /// Linear colour of an exported mesh: the green of foliage in the shade.
 const FOLIAGE: [f32; 4] = [0.10, 0.19, 0.05, 1.0];
@@ -109,29 +105,6 @@ fn presets() -> clap::builder::PossibleValuesParser {
                 .help(format!("{}: {}", preset.formula, preset.about))
         })
         .into()
-}
-
-/// The file of `--regions`.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RegionsFile {
-    regions: Vec<RegionEntry>,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RegionEntry {
-    /// The grey value.
-    label: u8,
-    #[serde(default = "usual_k")]
-    k: Tangent,
-    /// Towards the viewer, pixels of the scaled mask.
-    #[serde(default)]
-    depth_px: f64,
-}
-
-fn usual_k() -> Tangent {
-    Tangent::Constant(2.0)
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -222,7 +195,7 @@ impl Flags {
             .with(format!("{self:?}").as_bytes())
             .finish();
         let shape = match &self.regions {
-            Some(path) => Shape::Regions(self.regions(path, &grey(&image), session)?),
+            Some(path) => Shape::Regions(self.regions(path, &image, session)?),
             None => Shape::Whole(self.whole(&coverage(&image)), tangent),
         };
         if let Shape::Whole(mask, _) = &shape
@@ -285,50 +258,25 @@ impl Flags {
     fn regions(
         &self,
         path: &Path,
-        labels: &Image<u8>,
+        image: &Image<Straight>,
         session: &Session<'_>,
     ) -> Result<Vec<SubCrown>, Failure> {
-        let file: RegionsFile = from_json(path)?;
-        let mut masks: BTreeMap<u8, Mask> = labelled_regions(labels).into_iter().collect();
-        let mut regions = Vec::new();
-        for entry in file.regions {
-            let none = || {
-                let reason = format!(
-                    "no pixel of {} has the grey {}, or it is named twice",
-                    self.mask.display(),
-                    entry.label
-                );
-                Failure::of(path.display(), reason)
-            };
-            if !entry.depth_px.is_finite() {
-                return Err(Failure::of(path.display(), "depth_px must be a number"));
-            }
-            let covered = masks.remove(&entry.label).ok_or_else(none)?;
-            let mask = scaled(&covered.grey(), self.size);
+        let regions = regions_from(path)?;
+        let masks = region_masks(&regions, path, image, &self.mask, session)?;
+        let sub_crown = |(region, mask): (Region, Mask)| {
+            let mask = scaled(&mask.grey(), self.size);
+            let label = region.label;
             if mask.count() == 0 {
-                let reason = format!(
-                    "nothing is left of the region {} at this --size",
-                    entry.label
-                );
+                let reason = format!("nothing is left of the region {label} at this --size");
                 return Err(Failure::of(path.display(), reason));
             }
-            regions.push(SubCrown {
+            Ok(SubCrown {
                 mask,
-                tangent: entry.k,
-                depth_px: entry.depth_px,
-            });
-        }
-        if regions.is_empty() {
-            return Err(Failure::of(path.display(), "names no region"));
-        }
-        if let Some(left) = masks.keys().next() {
-            let warning = format!(
-                "{}: the grey {left} is in no region and left out",
-                self.mask.display()
-            );
-            session.progress.warn(&warning);
-        }
-        Ok(regions)
+                tangent: region.k,
+                depth_px: region.depth_px,
+            })
+        };
+        regions.into_iter().zip(masks).map(sub_crown).collect()
     }
 
     /// Makes the mesh.
@@ -475,11 +423,6 @@ fn format_of(out: &Path) -> Result<Format, Failure> {
     }
 }
 
-fn from_json<T: for<'a> Deserialize<'a>>(path: &Path) -> Result<T, Failure> {
-    let bytes = read_limited(path, LARGEST_SETTINGS_BYTES)?;
-    serde_json::from_slice(&bytes).map_err(|error| Failure::of(path.display(), error))
-}
-
 /// How far each pixel belongs, 0 … 255: its alpha if the picture has clear pixels, else its grey.
 fn coverage(image: &Image<Straight>) -> Image<u8> {
     if image.pixels().iter().any(|pixel| pixel.alpha() < 255) {
@@ -487,19 +430,6 @@ fn coverage(image: &Image<Straight>) -> Image<u8> {
     } else {
         grey(image)
     }
-}
-
-/// The grey of each pixel: the mean of its colours, 0 where it is clear.
-fn grey(image: &Image<Straight>) -> Image<u8> {
-    image.map(|pixel| {
-        let [r, g, b, alpha] = pixel.0;
-        let sum = u32::from(r) + u32::from(g) + u32::from(b);
-        if alpha < 128 {
-            0
-        } else {
-            ((sum + 1) / 3) as u8
-        }
-    })
 }
 
 /// The mask of what is covered by half or more, its longer side scaled to `size` pixels.

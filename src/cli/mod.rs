@@ -33,6 +33,7 @@ mod output;
 mod polygons;
 mod recolor;
 mod records;
+mod regions;
 mod render;
 mod reporter;
 mod samples;

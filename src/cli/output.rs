@@ -7,8 +7,8 @@
 
 use super::failure::Failure;
 use super::stamp;
-use crate::base::{Digest, Hasher, read_limited, write_atomic};
-use std::path::Path;
+use crate::base::{Cancel, Digest, Hasher, read_limited, write_all_atomic, write_atomic};
+use std::path::{Path, PathBuf};
 
 /// What to do when an output exists.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -101,6 +101,25 @@ impl Output {
         recipe: Digest,
     ) -> Result<(), Failure> {
         self.write(path, &stamp::stamped(bytes, recipe))
+    }
+
+    /// Writes the items of a job that belong together, all or none: until all of them are on the disk
+    /// `cancel` stops it, and nothing is left behind.
+    ///
+    /// # Errors
+    /// As [`Output::write_item`], and [`Failure::Cancelled`].
+    pub(super) fn write_items(
+        &self,
+        items: Vec<(PathBuf, Vec<u8>)>,
+        recipe: Digest,
+        cancel: &Cancel,
+    ) -> Result<(), Failure> {
+        self.check(items.iter().map(|(path, _)| path))?;
+        let stamped = items
+            .into_iter()
+            .map(|(path, bytes)| (path, stamp::stamped(bytes, recipe)))
+            .collect::<Vec<_>>();
+        write_all_atomic(&stamped, || Ok(cancel.check()?))
     }
 
     /// Writes a file that is made anew by every run (sheets, lists), atomically.

@@ -8,15 +8,16 @@
 //! [`CrownSettings::size`] pixels. The foliage is made from the photograph at the scale at which a
 //! texel, laid on the crown, is as large as a pixel: leaves keep their size.
 
-use super::frame::{CrownFrame, Volume};
+use super::frame::{CrownFrame, Volume, union};
 use crate::base::{Cancel, Cancelled, Progress, Seed};
 use crate::crown::{
-    Domain, Envelope, Inflation, InflationError, RadiusError, ReliefSettings, SettingError,
-    Tangent, TangentError, crown_center, height_cubemap, into_world, merged_radius_cubemap,
-    radius_with_relief, sheet_surface, turned_copies,
+    BaseMeshError, Domain, Envelope, Inflation, InflationError, Method, RadiusError,
+    ReliefSettings, SettingError, SubCrown, Tangent, TangentError, crown_center, height_cubemap,
+    into_world, merged_radius_cubemap, radius_with_relief, sheet_surface, sub_crowns_merged,
+    turned_copies,
 };
 use crate::geometry::{Mesh, Point};
-use crate::raster::{Cubemap, Image, Mask, Straight};
+use crate::raster::{Cubemap, Image, Mask, Straight, opaque_bounds};
 use crate::scene::Crown;
 use crate::synth::{
     CrownSurface, CubemapSettings, Extent, SynthesisError, foliage_cubemap, with_photo_front,
@@ -107,6 +108,16 @@ pub enum CrownError {
     Cancelled(#[from] Cancelled),
 }
 
+impl From<BaseMeshError> for CrownError {
+    fn from(error: BaseMeshError) -> Self {
+        match error {
+            BaseMeshError::Inflation(error) => error.into(),
+            BaseMeshError::Tangent(error) => error.into(),
+            BaseMeshError::Radius(error) => error.into(),
+        }
+    }
+}
+
 impl CrownError {
     /// Whether the work was asked to stop, at whatever depth.
     pub fn is_cancelled(&self) -> bool {
@@ -121,6 +132,11 @@ impl CrownError {
 }
 
 impl CrownSettings {
+    /// Height of the crown's lowest point above the ground, metres.
+    fn base_m(&self) -> f64 {
+        self.trunk_height_m.unwrap_or(TRUNK_SHARE * self.height_m)
+    }
+
     /// Checks that all values are in range.
     ///
     /// # Errors
@@ -172,7 +188,59 @@ pub fn crown(
     progress: Progress<'_>,
     cancel: &Cancel,
 ) -> Result<Crown, CrownError> {
-    let surface = colored_surface(photo, mask, settings, seed, progress, cancel)?;
+    with_relief(
+        colored_surface(photo, mask, settings, seed, progress, cancel)?,
+        settings,
+        progress,
+        cancel,
+    )
+}
+
+/// As [`crown`], of several regions of one photograph, each inflated with its own k, shifted by its
+/// own depth and merged: [`sub_crowns_merged`]. The foliage is that of all of them;
+/// [`CrownSettings::k`] has no part in it. `regions` are masks of the photograph's size and their
+/// depths pixels of it.
+///
+/// # Errors
+/// [`CrownError`].
+pub fn crown_of_regions(
+    photo: &Image<Straight>,
+    regions: &[SubCrown],
+    settings: &CrownSettings,
+    seed: Seed,
+    progress: Progress<'_>,
+    cancel: &Cancel,
+) -> Result<Crown, CrownError> {
+    let masks: Vec<&Mask> = regions.iter().map(|region| &region.mask).collect();
+    for mask in &masks {
+        check(photo, mask, settings)?;
+    }
+    let mask = union(&masks).ok_or(InflationError::Empty)?;
+    let stage = progress.stage("shape", 2);
+    let shape = shape_of_regions(regions, &masks, settings, progress, cancel)?;
+    stage.advance();
+    let base_m = base_radius(&shape, settings, cancel)?;
+    stage.advance();
+    drop(stage);
+    let colored = colored(
+        photo,
+        &mask,
+        (shape, base_m),
+        settings,
+        seed,
+        progress,
+        cancel,
+    )?;
+    with_relief(colored, settings, progress, cancel)
+}
+
+/// The last part of [`crown`].
+fn with_relief(
+    surface: ColoredSurface,
+    settings: &CrownSettings,
+    progress: Progress<'_>,
+    cancel: &Cancel,
+) -> Result<Crown, CrownError> {
     let ColoredSurface {
         shape,
         base_m,
@@ -215,24 +283,60 @@ pub fn colored_surface(
     progress: Progress<'_>,
     cancel: &Cancel,
 ) -> Result<ColoredSurface, CrownError> {
+    check(photo, mask, settings)?;
+    let stage = progress.stage("shape", 2);
+    let shape = crown_shape(mask, settings, progress, cancel)?;
+    stage.advance();
+    let base_m = base_radius(&shape, settings, cancel)?;
+    stage.advance();
+    drop(stage);
+    colored(
+        photo,
+        mask,
+        (shape, base_m),
+        settings,
+        seed,
+        progress,
+        cancel,
+    )
+}
+
+fn check(photo: &Image<Straight>, mask: &Mask, settings: &CrownSettings) -> Result<(), CrownError> {
     settings.check()?;
     let sizes = [
         [photo.width(), photo.height()],
         [mask.width(), mask.height()],
     ];
-    if sizes[0] != sizes[1] {
-        return Err(CrownError::SizesDiffer {
+    match sizes[0] == sizes[1] {
+        true => Ok(()),
+        false => Err(CrownError::SizesDiffer {
             photo: sizes[0],
             mask: sizes[1],
-        });
+        }),
     }
-    let stage = progress.stage("shape", 2);
-    let shape = crown_shape(mask, settings, progress, cancel)?;
-    stage.advance();
-    let copies = turned_copies(&shape.base_mesh, shape.frame.center_m, settings.copies);
-    let base_m = merged_radius_cubemap(&copies, shape.frame.center_m, settings.size, cancel)?;
-    stage.advance();
-    drop(stage);
+}
+
+/// From the crown's centre to the surface of all copies, metres.
+fn base_radius(
+    shape: &CrownShape,
+    settings: &CrownSettings,
+    cancel: &Cancel,
+) -> Result<Cubemap<f32>, RadiusError> {
+    let center = shape.frame.center_m;
+    let copies = turned_copies(&shape.base_mesh, center, settings.copies);
+    merged_radius_cubemap(&copies, center, settings.size, cancel)
+}
+
+/// The stage `foliage`: colours around a shape and its radius.
+fn colored(
+    photo: &Image<Straight>,
+    mask: &Mask,
+    (shape, base_m): (CrownShape, Cubemap<f32>),
+    settings: &CrownSettings,
+    seed: Seed,
+    progress: Progress<'_>,
+    cancel: &Cancel,
+) -> Result<ColoredSurface, CrownError> {
     let stage = progress.stage("foliage", 2);
     let foliage = CubemapSettings {
         size: settings.size,
@@ -286,10 +390,7 @@ pub fn crown_shape(
     let volume =
         Volume::new(mask, settings.size, &settings.envelope).ok_or(InflationError::Empty)?;
     let center = crown_center(&volume.mask).ok_or(InflationError::Empty)?;
-    let trunk_m = settings
-        .trunk_height_m
-        .unwrap_or(TRUNK_SHARE * settings.height_m);
-    let frame = CrownFrame::new(&volume.mask, settings.height_m, trunk_m);
+    let frame = CrownFrame::new(&volume.mask, settings.height_m, settings.base_m());
     let inflation = Inflation::new(Domain::new(&volume.mask)?, progress, cancel)?;
     let bounds = inflation.domain().bounds();
     let k = match &settings.k {
@@ -303,6 +404,37 @@ pub fn crown_shape(
         frame,
         photo_center: volume.photo_from_mask(center),
         photo_px_per_m: in_photo(1.0 / frame.metres_per_pixel),
+    })
+}
+
+/// The merged `regions`, whose masks are `masks`, without relief and copies.
+fn shape_of_regions(
+    regions: &[SubCrown],
+    masks: &[&Mask],
+    settings: &CrownSettings,
+    progress: Progress<'_>,
+    cancel: &Cancel,
+) -> Result<CrownShape, CrownError> {
+    let made = Volume::of_regions(masks, settings.size, &settings.envelope);
+    let (volume, masks) = made.ok_or(InflationError::Empty)?;
+    let scaled: Vec<SubCrown> = regions
+        .iter()
+        .zip(masks)
+        .map(|(region, mask)| SubCrown {
+            mask,
+            tangent: region.tangent.clone(),
+            depth_px: region.depth_px * volume.scale,
+        })
+        .collect();
+    let (pixels, center) = sub_crowns_merged(&scaled, Method::Bilaplacian, progress, cancel)?;
+    let bounds = opaque_bounds(&volume.mask).ok_or(InflationError::Empty)?;
+    let mut frame = CrownFrame::new(&volume.mask, settings.height_m, settings.base_m());
+    frame.center_m.z = center.z * frame.metres_per_pixel;
+    Ok(CrownShape {
+        base_mesh: into_world(&pixels, bounds, frame.metres_per_pixel, frame.base_m),
+        frame,
+        photo_center: volume.photo_from_mask(center.truncate()),
+        photo_px_per_m: 1.0 / frame.metres_per_pixel / volume.scale,
     })
 }
 

@@ -2,7 +2,7 @@
 
 use crate::crown::{Envelope, crown_center, envelope};
 use crate::geometry::Point;
-use crate::raster::{Mask, Premultiplied, Rect, opaque_bounds, resized};
+use crate::raster::{Image, Mask, Premultiplied, Rect, opaque_bounds, resized};
 use glam::DVec3;
 
 /// From the pixels of a mask to the frame of the tree: metres, +Y up, the tree's base at the origin,
@@ -76,10 +76,63 @@ impl Volume {
         })
     }
 
+    /// As [`Volume::new`] for the union of `regions` (masks of one size): each has its own envelope,
+    /// which is given too, a mask of the volume's size. `None` when nothing is left of one.
+    pub(super) fn of_regions(
+        regions: &[&Mask],
+        longest: u32,
+        settings: &Envelope,
+    ) -> Option<(Self, Vec<Mask>)> {
+        let bounds = opaque_bounds(&union(regions)?)?;
+        let scale = f64::from(longest) / f64::from(bounds.width.max(bounds.height));
+        let scaled = regions.iter().map(|mask| resized_mask(mask, bounds, scale));
+        let envelopes: Vec<(Mask, [i64; 2])> = scaled
+            .map(|mask| envelope(&mask, settings))
+            .collect::<Option<_>>()?;
+        let first = |axis: usize| envelopes.iter().map(|(_, from)| from[axis]).min();
+        let from = [first(0)?, first(1)?];
+        let end = |axis: usize| {
+            let ends = envelopes
+                .iter()
+                .map(|(mask, from)| from[axis] + i64::from([mask.width(), mask.height()][axis]));
+            ends.max()
+        };
+        let [width, height] = [(end(0)? - from[0]) as u32, (end(1)? - from[1]) as u32];
+        let placed = |(mask, at): &(Mask, [i64; 2])| {
+            let (left, top) = ((at[0] - from[0]) as usize, (at[1] - from[1]) as u32);
+            let mut placed = Image::filled(width, height, false);
+            for y in 0..mask.height() {
+                let row = &mut placed.row_mut(top + y)[left..][..mask.width() as usize];
+                row.copy_from_slice(mask.row(y));
+            }
+            placed
+        };
+        let masks: Vec<Mask> = envelopes.iter().map(placed).collect();
+        let corner = Point::new(f64::from(bounds.x), f64::from(bounds.y));
+        let volume = Self {
+            mask: union(&masks.iter().collect::<Vec<_>>())?,
+            scale,
+            origin: corner + Point::new(from[0] as f64, from[1] as f64) / scale,
+        };
+        Some((volume, masks))
+    }
+
     /// The place in the photograph of a place in the mask; pixel centres are whole in both.
     pub(super) fn photo_from_mask(&self, place: Point) -> Point {
         self.origin + (place + 0.5) / self.scale - 0.5
     }
+}
+
+/// The pixels of all `masks`, which have one size; `None` when there are none.
+pub(super) fn union(masks: &[&Mask]) -> Option<Mask> {
+    let (first, others) = masks.split_first()?;
+    let mut all = (*first).clone();
+    for mask in others {
+        for (all, &own) in all.pixels_mut().iter_mut().zip(mask.pixels()) {
+            *all |= own;
+        }
+    }
+    Some(all)
 }
 
 fn scaled_size(bounds: Rect, scale: f64) -> [u32; 2] {
@@ -98,7 +151,6 @@ fn resized_mask(mask: &Mask, bounds: Rect, scale: f64) -> Mask {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::raster::Image;
 
     #[test]
     fn the_crowns_bounds_get_the_height_and_stand_on_the_trunk() {
@@ -122,5 +174,32 @@ mod tests {
         // The first of two pixels that the photograph's pixel (4, 5) became.
         let place = volume.photo_from_mask(Point::new(1.0, 1.0));
         assert!(place.distance(Point::new(3.75, 4.75)) < 1e-9);
+    }
+
+    #[test]
+    fn regions_keep_their_places_in_one_frame() {
+        let block = |left: usize| {
+            let mut mask = Image::filled(40, 30, false);
+            for y in 10..20 {
+                mask.row_mut(y)[left..left + 10].fill(true);
+            }
+            mask
+        };
+        let (left, right) = (block(5), block(25));
+        let sharp = Envelope {
+            close: 0.0,
+            open: 0.0,
+        };
+        let (volume, masks) = Volume::of_regions(&[&left, &right], 60, &sharp).unwrap();
+        assert_eq!((volume.mask.width(), volume.mask.height()), (62, 22));
+        assert_eq!(volume.mask.count(), 800);
+        let bounds = |mask: &Mask| opaque_bounds(mask).map(|b| (b.x, b.y, b.width, b.height));
+        assert_eq!(bounds(&masks[0]), Some((1, 1, 20, 20)));
+        assert_eq!(bounds(&masks[1]), Some((41, 1, 20, 20)));
+        // As that of the union where nothing is closed or cut.
+        let both = union(&[&left, &right]).unwrap();
+        let whole = Volume::new(&both, 60, &sharp);
+        assert!(whole.is_none_or(|whole| whole.origin == volume.origin));
+        assert!(Volume::of_regions(&[], 60, &sharp).is_none());
     }
 }

@@ -11,7 +11,7 @@ mod tree_maps;
 
 pub use crown::{
     ColoredSurface, CrownError, CrownSettings, CrownShape, TRUNK_SHARE, colored_surface, crown,
-    crown_shape,
+    crown_of_regions, crown_shape,
 };
 pub use frame::CrownFrame;
 pub use tree_maps::{DEPTH_SHARE, TreeMaps, tree_maps};

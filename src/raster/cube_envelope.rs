@@ -2,8 +2,8 @@
 //! if cones stood on their walls.
 //!
 //! Source: P. Felzenszwalb, D. Huttenlocher, *Distance Transforms of Sampled Functions*, 2012 (the
-//! lower envelope of cones; here upside down), computed by sweeps over the eight neighbours, which
-//! makes cones of eight sides, a twelfth too steep between them.
+//! lower envelope of cones; here upside down), computed by sweeps over the eight neighbours:
+//! cones are octagons, up to 8 % too narrow between their corners.
 
 use super::cube_grid::framed;
 use super::{CubeFace, Cubemap, Image};
@@ -51,8 +51,10 @@ struct Falls {
     across: Image<f32>,
     /// Up or down.
     along: Image<f32>,
-    /// To the corner.
-    corner: Image<f32>,
+    /// To the corner where both coordinates grow, or both fall.
+    down: Image<f32>,
+    /// To the corner where one grows and the other falls.
+    up: Image<f32>,
 }
 
 impl Falls {
@@ -64,22 +66,24 @@ impl Falls {
             let falls = texels.map(|(x, y)| steepest * width * fall(place(x), place(y)));
             Image::from_pixels(size, size, falls.collect())
         };
-        // The angle that a step du, dv makes at (u, v) of a face at distance 1.
-        let across = |u: f32, v: f32| (1.0 + v * v).sqrt() / (1.0 + u * u + v * v);
+        // The angle that a step (du, dv) makes at (u, v) of a face at distance 1: off the middle the
+        // texels are sheared, so that the two diagonals differ.
+        let angle = |u: f32, v: f32, du: f32, dv: f32| {
+            let square = 1.0 + u * u + v * v;
+            let turn = u * dv - v * du;
+            (du * du + dv * dv + turn * turn).sqrt() / square
+        };
         Self {
-            across: each(&across),
-            along: each(&|u, v| across(v, u)),
-            corner: each(&|u, v| {
-                let (du, dv) = (across(u, v), across(v, u));
-                (du * du + dv * dv).sqrt()
-            }),
+            across: each(&|u, v| angle(u, v, 1.0, 0.0)),
+            along: each(&|u, v| angle(u, v, 0.0, 1.0)),
+            down: each(&|u, v| angle(u, v, 1.0, 1.0)),
+            up: each(&|u, v| angle(u, v, 1.0, -1.0)),
         }
     }
 
     #[inline]
-    fn of(&self, x: u32, y: u32) -> (f32, f32, f32) {
-        let falls = [&self.across, &self.along, &self.corner];
-        falls.map(|image| image.at(x, y)).into()
+    fn of(&self, x: u32, y: u32) -> [f32; 4] {
+        [&self.across, &self.along, &self.down, &self.up].map(|image| image.at(x, y))
     }
 }
 
@@ -88,12 +92,12 @@ fn swept(mut frame: Image<f32>, falls: &Falls) -> Image<f32> {
     let size = frame.width() - 2;
     for y in 0..size {
         for x in 0..size {
-            let (across, along, corner) = falls.of(x, y);
+            let [across, along, down, up] = falls.of(x, y);
             let above = frame.row(y);
             let at = x as usize;
             let reached = (above[at + 1] - along)
-                .max(above[at] - corner)
-                .max(above[at + 2] - corner)
+                .max(above[at] - down)
+                .max(above[at + 2] - up)
                 .max(frame.row(y + 1)[at] - across);
             let texel = &mut frame.row_mut(y + 1)[at + 1];
             *texel = texel.max(reached);
@@ -101,12 +105,12 @@ fn swept(mut frame: Image<f32>, falls: &Falls) -> Image<f32> {
     }
     for y in (0..size).rev() {
         for x in (0..size).rev() {
-            let (across, along, corner) = falls.of(x, y);
+            let [across, along, down, up] = falls.of(x, y);
             let below = frame.row(y + 2);
             let at = x as usize;
             let reached = (below[at + 1] - along)
-                .max(below[at] - corner)
-                .max(below[at + 2] - corner)
+                .max(below[at] - up)
+                .max(below[at + 2] - down)
                 .max(frame.row(y + 1)[at + 2] - across);
             let texel = &mut frame.row_mut(y + 1)[at + 1];
             *texel = texel.max(reached);
@@ -121,7 +125,7 @@ mod tests {
     use glam::DVec3;
 
     #[test]
-    fn a_cone_on_an_edge_goes_on_over_it_and_is_nearly_round() {
+    fn a_cone_on_an_edge_goes_on_over_it_and_is_round() {
         let mut map = Cubemap::filled(64, 0.0f32);
         let top = CubeFace::PosZ.direction(0.98, 0.3);
         map.face_mut(CubeFace::PosZ).set(63, 41, 1.0);
@@ -130,13 +134,11 @@ mod tests {
             let angle = d.normalize().angle_between(top.normalize());
             (1.0 - 2.0 * angle as f32).max(0.0)
         });
-        let mut worst = 0.0f32;
         for (cone, exact) in cone.faces().iter().zip(exact.faces()) {
             for (cone, exact) in cone.pixels().iter().zip(exact.pixels()) {
-                worst = worst.max((cone - exact).abs());
+                assert!((cone - exact).abs() < 0.12, "{cone} for {exact}");
             }
         }
-        assert!(worst < 0.15, "{worst}");
     }
 
     #[test]

@@ -20,6 +20,7 @@ use super::similar::NOWHERE;
 use crate::base::{Cancel, Cancelled, Random, Seed, Stage};
 use crate::raster::{Image, Straight};
 use rayon::prelude::*;
+use std::ops::RangeInclusive;
 
 /// Blocks that are compared for each piece: more find better seams but always the same blocks.
 const COMPARED: usize = 320;
@@ -29,11 +30,11 @@ const COMPARED: usize = 320;
 const COMPARED_SIDE: usize = 12;
 
 /// How much a block that was used once counts against a difference equal to the exemplar's variance.
-const REUSE: f32 = 0.18;
+const REUSE: f32 = 0.4;
 
 /// How much more it counts right beside where it was used, falling to nothing within
 /// [`NEAR_PIECES`] pieces.
-const NEARBY: f32 = 6.0;
+const NEARBY: f32 = 3.0;
 const NEAR_PIECES: f32 = 5.0;
 
 /// Smallest piece, pixels of the coarsest level: smaller ones hold no structure.
@@ -64,29 +65,26 @@ impl<'a> Blocks<'a> {
         let usable = level.usable.iter().filter(|&&usable| usable).count();
         let enough = (usable as f32 * ENOUGH_BLOCKS).max(1.0) as usize;
         let wanted = wanted.max(SMALLEST);
-        let mut best: Option<(usize, Vec<u32>)> = None;
+        let mut best = (SMALLEST, Vec::new());
         let mut largest = wanted;
         while largest >= SMALLEST {
             // Rather gaps than small pieces, within limits.
             let smallest = (largest * 2 / 3).max(SMALLEST);
             for share in FULL_ENOUGH {
-                for side in (smallest..=largest).rev() {
-                    let corners = corners(level, &sums, side, share);
-                    if corners.len() >= enough {
-                        return Self::of(level, side, corners);
-                    }
-                    if best
-                        .as_ref()
-                        .is_none_or(|(_, most)| corners.len() > most.len())
-                    {
-                        best = Some((side, corners));
-                    }
+                let blocks = |side| corners(level, &sums, side, share);
+                let found = largest_with(smallest..=largest, |side| blocks(side).len() >= enough);
+                let (side, is_enough) = found.map_or((smallest, false), |side| (side, true));
+                let corners = blocks(side);
+                if is_enough {
+                    return Self::of(level, side, corners);
+                }
+                if corners.len() > best.1.len() {
+                    best = (side, corners);
                 }
             }
             largest = smallest - 1;
         }
-        let (side, corners) = best.unwrap_or((SMALLEST, Vec::new()));
-        Self::of(level, side, corners)
+        Self::of(level, best.0, best.1)
     }
 
     fn of(level: &'a Level, side: usize, corners: Vec<u32>) -> Self {
@@ -97,6 +95,23 @@ impl<'a> Blocks<'a> {
             variance: variance(level),
         }
     }
+}
+
+/// The largest of `sides` that is `fine`, found by halving: where one is, smaller ones are too, or
+/// nearly always. `None` when the smallest is not.
+fn largest_with(sides: RangeInclusive<usize>, fine: impl Fn(usize) -> bool) -> Option<usize> {
+    let (mut low, mut high) = (*sides.start(), *sides.end());
+    if !fine(low) {
+        return None;
+    }
+    while low < high {
+        let middle = (low + high).div_ceil(2);
+        match fine(middle) {
+            true => low = middle,
+            false => high = middle - 1,
+        }
+    }
+    Some(low)
 }
 
 /// Numbers of usable pixels above and left of each pixel of the stack.
@@ -523,4 +538,30 @@ fn difference(level: &Level, corner: usize, cells: &[(usize, Color)]) -> f32 {
         sum += u64::from(squares.sum::<u32>());
     }
     sum as f32 / cells.len().max(1) as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_largest_side_is_found() {
+        for most in 4..=40 {
+            let found = largest_with(5..=31, |side| side <= most);
+            assert_eq!(found, (most >= 5).then_some(most.min(31)));
+        }
+    }
+
+    #[test]
+    fn a_small_crown_gets_small_blocks_and_one_without_room_none() {
+        let level = |side: usize| {
+            let colors = vec![[9.0; 3]; side * side];
+            Level::new(&colors, &vec![true; side * side], (side, side), 1)
+        };
+        let wide = level(40);
+        assert_eq!(Blocks::new(&wide, 16).side, 16);
+        // At least 15 % of the corners must fit: 16 of 40 a side.
+        assert_eq!(Blocks::new(&wide, 1000).side, 25);
+        assert!(Blocks::new(&level(3), 16).corners.is_empty());
+    }
 }

@@ -16,7 +16,7 @@
 use super::canvas::Canvas;
 use super::level::{Level, RADIUS};
 use super::similar::{NOWHERE, SIMILAR};
-use crate::base::{Cancel, Cancelled};
+use crate::base::{Cancel, Cancelled, Seed};
 use rayon::prelude::*;
 
 /// How far around a pixel pieces must be whole for it to be left alone, and from how far away
@@ -38,11 +38,17 @@ const SIDE: usize = 2 * RADIUS + 1;
 /// Numbers in a window's row: four for each of its pixels and one more, which makes whole vectors.
 const ROW: usize = 4 * (SIDE + 1);
 
-/// Corrects all pixels of `canvas` once.
+/// Places tried at random for a pixel beside given ones, which offer nothing to continue, and then
+/// around the best of them, each time within half the distance.
+const SEARCHED: usize = 48;
+const SEARCHED_AROUND: [i32; 5] = [16, 8, 4, 2, 1];
+
+/// Corrects all pixels of `canvas` once; `seed` is for what has to be searched for.
 pub(super) fn corrected(
     canvas: &mut Canvas,
     level: &Level,
     similar: &[[u32; SIMILAR]],
+    seed: Seed,
     cancel: &Cancel,
 ) -> Result<(), Cancelled> {
     for class in 0..SPACING * SPACING {
@@ -55,7 +61,7 @@ pub(super) fn corrected(
                 cancel.check()?;
                 let columns = (first_x..reader.width).step_by(SPACING);
                 Ok(columns
-                    .filter_map(|x| changed(reader, level, similar, x, y))
+                    .filter_map(|x| changed(reader, level, similar, seed, (x, y)))
                     .collect())
             })
             .collect();
@@ -71,8 +77,8 @@ fn changed(
     canvas: &Canvas,
     level: &Level,
     similar: &[[u32; SIMILAR]],
-    x: usize,
-    y: usize,
+    seed: Seed,
+    (x, y): (usize, usize),
 ) -> Option<(usize, u32)> {
     let at = y * canvas.width + x;
     let own = canvas.places[at];
@@ -104,7 +110,16 @@ fn changed(
             }
         }
     }
+    if is_beside_given(canvas, x as i64, y as i64) {
+        best.search(&window, level, Seed(seed.0 ^ at as u64));
+    }
     (best.index != own).then_some((at, best.index))
+}
+
+/// Whether a pixel within reach of (x, y) is given.
+fn is_beside_given(canvas: &Canvas, x: i64, y: i64) -> bool {
+    let mut around = (-REACH..=REACH).flat_map(|dy| (-REACH..=REACH).map(move |dx| (dx, dy)));
+    around.any(|(dx, dy)| canvas.at(x + dx, y + dy).is_some_and(|at| canvas.given[at]))
 }
 
 /// The place of pixel (x, y), if it has one.
@@ -142,6 +157,23 @@ struct Best {
 }
 
 impl Best {
+    /// Looks for better places anywhere and then around the best.
+    fn search(&mut self, window: &Window, level: &Level, seed: Seed) {
+        let mut random = seed.random();
+        for _ in 0..SEARCHED {
+            let index = random.below(level.usable.len());
+            if level.usable[index] {
+                self.try_one(window, level, index as u32, false);
+            }
+        }
+        for reach in SEARCHED_AROUND {
+            let mut away = || random.below(2 * reach as usize + 1) as i32 - reach;
+            if let Some(index) = level.moved(self.index, away(), away()) {
+                self.try_one(window, level, index, false);
+            }
+        }
+    }
+
     #[inline]
     fn try_one(&mut self, window: &Window, level: &Level, index: u32, is_jump: bool) {
         if index == self.index || self.tried[..self.count].contains(&index) {

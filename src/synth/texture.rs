@@ -108,9 +108,10 @@ pub fn texture_around(
             cancel.check()?;
             canvas = canvas.refined(exemplar, number, size, given(number));
         }
-        for _ in 0..settings.passes {
+        for pass in 0..settings.passes {
             let level = &exemplar.levels[number];
-            corrected(&mut canvas, level, &exemplar.similar[number], cancel)?;
+            let seed = seed.derive("search", (number as u64) << 32 | u64::from(pass));
+            corrected(&mut canvas, level, &exemplar.similar[number], seed, cancel)?;
             stage.advance();
         }
     }

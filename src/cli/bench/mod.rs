@@ -2,6 +2,7 @@
 
 mod crown;
 mod row;
+mod synth;
 mod variation;
 
 use super::failure::Failure;
@@ -15,7 +16,7 @@ use std::io::Write as _;
 
 /// Measure how fast this machine makes trees
 ///
-/// Times the main pieces of work on the built-in samples, each at least seven times, and prints them
+/// Times the main pieces of work on the built-in samples, each several times, and prints them
 /// beside their targets and what others need.
 #[derive(Debug, Args)]
 #[command(after_help = "Example: boscage bench crown --json")]
@@ -32,15 +33,18 @@ enum Topic {
     Variation,
     /// A crown from a photograph
     Crown,
+    /// Foliage around a crown
+    Synth,
 }
 
 impl Topic {
-    const ALL: [Self; 2] = [Self::Variation, Self::Crown];
+    const ALL: [Self; 3] = [Self::Variation, Self::Crown, Self::Synth];
 
     fn rows(self, cancel: &Cancel) -> Result<Vec<Row>, Failure> {
         match self {
             Self::Variation => variation::rows(cancel),
             Self::Crown => crown::rows(cancel),
+            Self::Synth => synth::rows(cancel),
         }
     }
 }

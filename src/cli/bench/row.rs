@@ -8,6 +8,9 @@ use std::time::{Duration, Instant};
 /// Runs of a measurement at least, after one that is not counted.
 const FEWEST_RUNS: usize = 7;
 
+/// Runs of a long measurement, after one that is not counted.
+const LONG_RUNS: usize = 3;
+
 /// Runs of a measurement at most.
 const MOST_RUNS: usize = 100;
 
@@ -34,12 +37,30 @@ pub(super) struct Row {
 pub(super) fn measured<E: Into<Failure>>(
     name: &'static str,
     cancel: &Cancel,
+    work: impl FnMut() -> Result<(), E>,
+) -> Result<Row, Failure> {
+    measured_at_least(FEWEST_RUNS, name, cancel, work)
+}
+
+/// Times `work` that takes a second or more, a few times only.
+pub(super) fn measured_long<E: Into<Failure>>(
+    name: &'static str,
+    cancel: &Cancel,
+    work: impl FnMut() -> Result<(), E>,
+) -> Result<Row, Failure> {
+    measured_at_least(LONG_RUNS, name, cancel, work)
+}
+
+fn measured_at_least<E: Into<Failure>>(
+    fewest: usize,
+    name: &'static str,
+    cancel: &Cancel,
     mut work: impl FnMut() -> Result<(), E>,
 ) -> Result<Row, Failure> {
     work().map_err(Into::into)?;
     let begin = Instant::now();
     let mut times = Vec::new();
-    while times.len() < FEWEST_RUNS || (times.len() < MOST_RUNS && begin.elapsed() < LONG_ENOUGH) {
+    while times.len() < fewest || (times.len() < MOST_RUNS && begin.elapsed() < LONG_ENOUGH) {
         cancel.check()?;
         let start = Instant::now();
         work().map_err(Into::into)?;

@@ -1,0 +1,111 @@
+//! The regions of a mask that are inflated by themselves: the file of `--regions`.
+//!
+//! `{"regions": [{"label": 100, "k": 2}, {"label": 200, "k": "1+j", "depth_px": 20}]}`: `label` is
+//! the grey value of the region in the mask.
+
+use super::failure::Failure;
+use super::session::Session;
+use crate::base::read_limited;
+use crate::crown::{Tangent, labelled_regions};
+use crate::raster::{Image, Mask, Straight};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// The largest file of settings that is read.
+const LARGEST_BYTES: u64 = 1 << 20;
+
+/// One region.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Region {
+    /// Its grey value in the mask.
+    pub(super) label: u8,
+    #[serde(default = "usual_k")]
+    pub(super) k: Tangent,
+    /// How far it is shifted towards the viewer, pixels of the mask as it is inflated.
+    #[serde(default)]
+    pub(super) depth_px: f64,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RegionsFile {
+    regions: Vec<Region>,
+}
+
+/// The k of a mask or region of which nobody says more.
+pub(super) fn usual_k() -> Tangent {
+    Tangent::Constant(2.0)
+}
+
+/// The regions that the file at `path` names: one at least, their depths numbers.
+///
+/// # Errors
+/// [`Failure::BadInput`], naming the file.
+pub(super) fn regions_from(path: &Path) -> Result<Vec<Region>, Failure> {
+    let RegionsFile { regions } = from_json(path)?;
+    let failed = |reason: &str| Err(Failure::of(path.display(), reason));
+    match &regions[..] {
+        [] => failed("names no region"),
+        regions if !regions.iter().all(|region| region.depth_px.is_finite()) => {
+            failed("depth_px must be a number")
+        }
+        _ => Ok(regions),
+    }
+}
+
+/// The pixels of each region in the picture of a mask, in the order of `regions`; `file` is where
+/// the regions stand, `mask` where the picture does.
+///
+/// # Errors
+/// [`Failure::BadInput`] when a region has no pixel or is named twice.
+pub(super) fn region_masks(
+    regions: &[Region],
+    file: &Path,
+    image: &Image<Straight>,
+    mask: &Path,
+    session: &Session<'_>,
+) -> Result<Vec<Mask>, Failure> {
+    let mut masks: BTreeMap<u8, Mask> = labelled_regions(&grey(image)).into_iter().collect();
+    let mut found = Vec::new();
+    for region in regions {
+        let pixels = masks.remove(&region.label).ok_or_else(|| {
+            let reason = format!(
+                "no pixel of {} has the grey {}, or it is named twice",
+                mask.display(),
+                region.label
+            );
+            Failure::of(file.display(), reason)
+        })?;
+        found.push(pixels);
+    }
+    if let Some(left) = masks.keys().next() {
+        let name = mask.display();
+        let warning = format!("{name}: the grey {left} is in no region and left out");
+        session.progress.warn(&warning);
+    }
+    Ok(found)
+}
+
+/// The grey of each pixel: the mean of its colours, 0 where it is clear.
+pub(super) fn grey(image: &Image<Straight>) -> Image<u8> {
+    image.map(|pixel| {
+        let [r, g, b, alpha] = pixel.0;
+        let sum = u32::from(r) + u32::from(g) + u32::from(b);
+        if alpha < 128 {
+            0
+        } else {
+            ((sum + 1) / 3) as u8
+        }
+    })
+}
+
+/// What the JSON file at `path` holds.
+///
+/// # Errors
+/// [`Failure::BadInput`], naming the file.
+pub(super) fn from_json<T: for<'a> Deserialize<'a>>(path: &Path) -> Result<T, Failure> {
+    let bytes = read_limited(path, LARGEST_BYTES)?;
+    serde_json::from_slice(&bytes).map_err(|error| Failure::of(path.display(), error))
+}

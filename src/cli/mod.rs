@@ -18,6 +18,7 @@ mod cubemap;
 mod demo;
 mod exemplars;
 mod export;
+mod export_crown;
 mod export_pages;
 mod export_tree;
 mod failure;

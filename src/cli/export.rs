@@ -1,5 +1,8 @@
 //! `boscage export`: a library of trees → a folder that a consumer takes as it is.
 
+use super::export_crown::{
+    CrownExport, CrownExportSettings, ImpostorName, LeafName, crown_folders,
+};
 use super::export_pages::{write_atlas, write_flightgear};
 use super::export_tree::{
     BlockName, ExportMap, ExportedTree, Sample, TextureForm, export_tree, tree_files,
@@ -22,23 +25,27 @@ use std::path::{Path, PathBuf};
 const SAMPLES: usize = 6;
 const SCATTER_SIDE: u32 = 10;
 
-/// Write a library for an engine
+/// Write a library or crowns for an engine
 ///
 /// Takes the folder that `boscage vary` wrote. Pictures are trimmed and their colour is continued
 /// under clear pixels; models stand on their foot in metres; library.json tells all about each tree.
+///
+/// Or takes the folder that `boscage crown` wrote, or a folder of such: leaf-card and surface models
+/// with levels of detail, octahedral impostors with shaders, and cubemaps.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   boscage export new --preset godot --out game/trees
   boscage export new --preset unreal --textures png,dds --atlas --out Content/Trees
+  boscage export oak-crown --preset godot --leaves lobed --out game/oak
   boscage export new --preset web --author 'A. Author' --license CC-BY-4.0 --out gallery")]
 pub(super) struct Flags {
-    /// Folder with library.json, or that file
+    /// Folder with library.json, or that file; or the folder of a crown, or one of crowns
     #[arg(value_name = "LIBRARY")]
     library: PathBuf,
     /// Who will read it
     #[arg(long, value_enum, value_name = "NAME")]
     preset: PresetName,
-    /// Height of each tree, in metres
+    /// Height of each tree, in metres (crowns have their own)
     #[arg(long, default_value_t = 10.0, value_name = "METRES")]
     height: f64,
     /// Keep sides that are no powers of two (multiples of 4 instead)
@@ -71,6 +78,21 @@ pub(super) struct Flags {
     /// Also write wind weights as vertex colours
     #[arg(long)]
     wind_colors: bool,
+    /// Crowns: octahedral impostors, separated by commas
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = [ImpostorName::Full, ImpostorName::Hemisphere], value_name = "FORMS")]
+    impostors: Vec<ImpostorName>,
+    /// Crowns: no impostors
+    #[arg(long, conflicts_with = "impostors")]
+    no_impostors: bool,
+    /// Crowns: frames along a side of an impostor
+    #[arg(long, default_value_t = 8, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=32))]
+    impostor_frames: u32,
+    /// Crowns: side of an impostor's frame, in pixels
+    #[arg(long, default_value_t = 256, value_name = "PX", value_parser = clap::value_parser!(u32).range(16..=1024))]
+    impostor_frame: u32,
+    /// Crowns: shape of the leaves on cards
+    #[arg(long, value_enum, default_value_t, value_name = "SHAPE")]
+    leaves: LeafName,
     /// Whose work it is
     #[arg(long, value_name = "NAME")]
     author: Option<String>,
@@ -123,6 +145,7 @@ pub(super) struct ExportSettings {
     pub(super) evergreen: bool,
     pub(super) wind: WindChannels,
     pub(super) rights: LicenseRecord,
+    pub(super) crowns: CrownExportSettings,
 }
 
 impl Job for Flags {
@@ -131,6 +154,12 @@ impl Job for Flags {
     }
 
     fn run(&self, session: &Session<'_>) -> Result<(), Failure> {
+        let crowns = crown_folders(&self.library)?;
+        if !crowns.is_empty() {
+            let settings = &self.checked(session)?;
+            let crowns = &crowns;
+            return CrownExport { settings, crowns }.run(session);
+        }
         let file = if self.library.is_dir() {
             self.library.join("library.json")
         } else {
@@ -221,6 +250,32 @@ impl Flags {
                 author: self.author.clone(),
                 license: self.license.clone(),
             },
+            crowns: self.crowns()?,
+        })
+    }
+}
+
+impl Flags {
+    fn crowns(&self) -> Result<CrownExportSettings, Failure> {
+        /// Textures that every graphics card takes.
+        const LARGEST_SIDE: u32 = 8192;
+        if self.impostor_frames * self.impostor_frame > LARGEST_SIDE {
+            let reason =
+                format!("frames of that number and size are more than {LARGEST_SIDE} wide");
+            return Err(Failure::of("--impostor-frame", reason));
+        }
+        let mut impostors = if self.no_impostors {
+            Vec::new()
+        } else {
+            self.impostors.clone()
+        };
+        impostors.sort();
+        impostors.dedup();
+        Ok(CrownExportSettings {
+            impostors,
+            frames: self.impostor_frames,
+            frame_px: self.impostor_frame,
+            leaves: self.leaves,
         })
     }
 }

@@ -99,6 +99,7 @@ impl Sample {
                 albedo: png("albedo").unwrap_or_default(),
                 normal: png("normal"),
                 occlusion: png("ao"),
+                is_solid: false,
             },
             lods,
             grouped: settings.preset.groups_lods(),

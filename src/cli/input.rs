@@ -2,7 +2,7 @@
 
 use super::failure::Failure;
 use crate::base::{Digest, FileError, Hasher, read_limited};
-use crate::export::{CrownFolderError, crown_from_files};
+use crate::export::{CrownFolderError, CrownRecord, crown_from_files};
 use crate::raster::{Image, Mask, ReadLimits, Straight, read_image_from_memory};
 use crate::scene::Crown;
 use std::path::{Path, PathBuf};
@@ -66,6 +66,16 @@ const LARGEST_CROWN_FILE: u64 = 1 << 30;
 /// # Errors
 /// [`Failure::BadInput`] naming the file that is missing or broken.
 pub(super) fn read_crown(folder: &Path) -> Result<(Crown, Digest), Failure> {
+    read_crown_and_record(folder).map(|(crown, _, digest)| (crown, digest))
+}
+
+/// The crown in `folder`, its record, and the digest of all its files.
+///
+/// # Errors
+/// As [`read_crown`].
+pub(super) fn read_crown_and_record(
+    folder: &Path,
+) -> Result<(Crown, CrownRecord, Digest), Failure> {
     let mut digest = Hasher::new("boscage crown folder");
     let outcome = crown_from_files(|name| {
         let bytes = read_limited(&folder.join(name), LARGEST_CROWN_FILE)?;
@@ -73,7 +83,7 @@ pub(super) fn read_crown(folder: &Path) -> Result<(Crown, Digest), Failure> {
         Ok(bytes)
     });
     match outcome {
-        Ok((crown, _)) => Ok((crown, digest.finish())),
+        Ok((crown, record)) => Ok((crown, record, digest.finish())),
         Err(CrownReadFailure::File(error)) => Err(error.into()),
         Err(CrownReadFailure::Content(error)) => Err(Failure::of(folder.display(), error)),
     }

@@ -19,6 +19,7 @@ mod demo;
 mod demo_crown;
 mod exemplars;
 mod export;
+mod export_crown;
 mod export_pages;
 mod export_tree;
 mod failure;

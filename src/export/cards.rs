@@ -91,7 +91,8 @@ pub struct CardMesh {
     pub positions: Vec<[f32; 3]>,
     /// Of unit length.
     pub normals: Vec<[f32; 3]>,
-    /// Unit vector along the picture's x, and the sign of the bitangent.
+    /// Unit vector along the picture's x, and the sign of the bitangent; none where no normal map is
+    /// used.
     pub tangents: Vec<[f32; 4]>,
     /// (0, 0) top left.
     pub uvs: Vec<[f32; 2]>,

@@ -39,7 +39,10 @@ pub fn crown_glb(crown: &Crown) -> Result<Vec<u8>, GlbError> {
 
 /// The mesh with its vertices standing once for each face that has them, their normals and their
 /// texture coordinates.
-fn divided(sphere: &CubeSphere, layout: AtlasLayout) -> (Mesh, Vec<DVec3>, Vec<[f32; 2]>) {
+pub(super) fn divided(
+    sphere: &CubeSphere,
+    layout: AtlasLayout,
+) -> (Mesh, Vec<DVec3>, Vec<[f32; 2]>) {
     let welded = sphere.mesh.vertex_normals();
     let (mut mesh, mut normals, mut uvs) = (Mesh::default(), Vec::new(), Vec::new());
     let line = sphere.cells + 1;

@@ -30,7 +30,7 @@ pub struct MeshId(usize);
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct NodeId(usize);
 
-/// A cut-out material: alpha test at 0.5, both sides drawn, rough, no metal.
+/// A rough material without metal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Material<'a> {
     /// Its name.
@@ -41,6 +41,9 @@ pub struct Material<'a> {
     pub normal: Option<&'a [u8]>,
     /// Ambient occlusion in its red channel, a PNG file.
     pub occlusion: Option<&'a [u8]>,
+    /// Whether alpha means nothing and only the front is drawn; otherwise the material is a cut-out:
+    /// alpha test at 0.5, both sides drawn.
+    pub is_solid: bool,
 }
 
 /// A place for a copy of a mesh.
@@ -111,10 +114,12 @@ impl Glb {
                 "metallicFactor": 0.0,
                 "roughnessFactor": 0.9,
             },
-            "alphaMode": "MASK",
-            "alphaCutoff": 0.5,
-            "doubleSided": true,
         });
+        if !material.is_solid {
+            value["alphaMode"] = json!("MASK");
+            value["alphaCutoff"] = json!(0.5);
+            value["doubleSided"] = json!(true);
+        }
         if let Some(normal) = normal {
             value["normalTexture"] = json!({"index": normal});
         }
@@ -128,6 +133,21 @@ impl Glb {
     /// Adds a mesh with the material that [`Glb::material`] gave; `colors` also writes the wind
     /// weights as vertex colours, which multiply the picture's where nobody knows of them.
     pub fn mesh(&mut self, name: &str, mesh: &CardMesh, material: usize, colors: bool) -> MeshId {
+        self.parts(name, &[(material, mesh)], colors)
+    }
+
+    /// Adds a mesh of several parts, each with its material; see [`Glb::mesh`].
+    pub fn parts(&mut self, name: &str, parts: &[(usize, &CardMesh)], colors: bool) -> MeshId {
+        let primitives: Vec<Value> = parts
+            .iter()
+            .map(|&(material, mesh)| self.primitive(mesh, material, colors))
+            .collect();
+        self.meshes
+            .push(json!({"name": name, "primitives": primitives}));
+        MeshId(self.meshes.len() - 1)
+    }
+
+    fn primitive(&mut self, mesh: &CardMesh, material: usize, colors: bool) -> Value {
         let mut attributes = Map::new();
         let mut attribute = |name: &str, accessor: usize| {
             attributes.insert(name.to_owned(), json!(accessor));
@@ -138,7 +158,9 @@ impl Glb {
         self.accessors[positions]["max"] = json!(most);
         attribute("POSITION", positions);
         attribute("NORMAL", self.floats(&mesh.normals, "VEC3"));
-        attribute("TANGENT", self.floats(&mesh.tangents, "VEC4"));
+        if !mesh.tangents.is_empty() {
+            attribute("TANGENT", self.floats(&mesh.tangents, "VEC4"));
+        }
         attribute("TEXCOORD_0", self.floats(&mesh.uvs, "VEC2"));
         let wind = self.floats(&mesh.wind, "VEC3");
         attribute("_WIND", wind);
@@ -146,16 +168,12 @@ impl Glb {
             attribute("COLOR_0", wind);
         }
         let indices = self.indices(&mesh.indices, mesh.positions.len());
-        self.meshes.push(json!({
-            "name": name,
-            "primitives": [{
-                "attributes": attributes,
-                "indices": indices,
-                "material": material,
-                "mode": 4,
-            }],
-        }));
-        MeshId(self.meshes.len() - 1)
+        json!({
+            "attributes": attributes,
+            "indices": indices,
+            "material": material,
+            "mode": 4,
+        })
     }
 
     /// Adds a node that shows `mesh` at the origin.
@@ -387,6 +405,7 @@ mod tests {
             albedo: &png,
             normal: Some(&png),
             occlusion: None,
+            is_solid: false,
         });
         let mesh = glb.mesh("card", &card(), material, true);
         let (fine, coarse) = (glb.node("a_LOD0", mesh), glb.node("a_LOD1", mesh));

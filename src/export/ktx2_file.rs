@@ -1,4 +1,8 @@
-//! KTX2 textures: BC7 blocks with all mip levels, each level packed by Zstandard.
+//! KTX2 textures, each level packed by Zstandard: pictures as BC7 blocks with all mip levels, and
+//! cubemaps of colours (8-bit sRGB, all mip levels) and of radii (32-bit floats, one level).
+//!
+//! Cubemaps are not in blocks, so that web pages and phones read them as well, and radii exactly.
+//! Faces are in the order of the format, +X −X +Y −Y +Z −Z, which is ours.
 //!
 //! Why not BasisU (ETC1S, UASTC): the only encoder is a C++ library, and the project builds with
 //! Rust alone. BC7 with supercompression is what the format offers beside it: larger files than
@@ -9,8 +13,9 @@
 //! Rows run down and columns to the right (`KTXorientation` `rd`); alpha is straight.
 
 use super::blocks::{BlockFormat, compressed};
+use super::mips::data_mips;
 use crate::base::{Cancel, Cancelled};
-use crate::raster::{Image, Straight};
+use crate::raster::{Cubemap, Image, Straight};
 use ktx2::{Format, Header, Index, LevelIndex, SupercompressionScheme, dfd};
 use rayon::prelude::*;
 use ruzstd::encoding::{CompressionLevel, compress_to_vec};
@@ -32,8 +37,7 @@ pub fn encode_ktx2(
         .map(|level| {
             let blocks = compressed(level, BlockFormat::Bc7, cancel)?;
             cancel.check()?;
-            let packed = compress_to_vec(blocks.as_slice(), CompressionLevel::Fastest);
-            Ok((blocks.len() as u64, packed))
+            Ok(zstd(&blocks))
         })
         .collect::<Result<_, Cancelled>>()?;
     let format = if srgb {
@@ -41,19 +45,87 @@ pub fn encode_ktx2(
     } else {
         Format::BC7_UNORM_BLOCK
     };
-    let descriptor = descriptor(format);
+    let texture = Texture {
+        format,
+        type_size: 1,
+        size: [levels[0].width(), levels[0].height()],
+        faces: 1,
+    };
+    Ok(written(&texture, &packed))
+}
+
+/// The colours of a crown as a KTX2 cubemap with all mip levels, 8-bit sRGB.
+///
+/// # Errors
+/// [`Cancelled`].
+pub fn encode_ktx2_colors(map: &Cubemap<Straight>, cancel: &Cancel) -> Result<Vec<u8>, Cancelled> {
+    let chains: Vec<Vec<Image<Straight>>> = map
+        .faces()
+        .par_iter()
+        .map(|face| data_mips(face, cancel))
+        .collect::<Result<_, Cancelled>>()?;
+    let levels: Vec<usize> = (0..chains[0].len()).collect();
+    let packed: Vec<(u64, Vec<u8>)> = levels
+        .par_iter()
+        .map(|&level| {
+            let texels = chains.iter().flat_map(|chain| chain[level].pixels());
+            let bytes: Vec<u8> = texels.flat_map(|texel| texel.0).collect();
+            zstd(&bytes)
+        })
+        .collect();
+    let texture = Texture {
+        format: Format::R8G8B8A8_SRGB,
+        type_size: 1,
+        size: [map.size(); 2],
+        faces: 6,
+    };
+    Ok(written(&texture, &packed))
+}
+
+/// The radii of a crown as a KTX2 cubemap of one level, 32-bit floats, metres.
+pub fn encode_ktx2_radii(map: &Cubemap<f32>) -> Vec<u8> {
+    let texels = map.faces().iter().flat_map(|face| face.pixels());
+    let bytes: Vec<u8> = texels.flat_map(|radius| radius.to_le_bytes()).collect();
+    let texture = Texture {
+        format: Format::R32_SFLOAT,
+        type_size: 4,
+        size: [map.size(); 2],
+        faces: 6,
+    };
+    written(&texture, &[zstd(&bytes)])
+}
+
+/// The number of bytes before packing, and the packed bytes.
+fn zstd(bytes: &[u8]) -> (u64, Vec<u8>) {
+    let packed = compress_to_vec(bytes, CompressionLevel::Fastest);
+    (bytes.len() as u64, packed)
+}
+
+/// What a file holds.
+struct Texture {
+    format: Format,
+    /// Bytes of a number.
+    type_size: u32,
+    /// Width and height of the first level.
+    size: [u32; 2],
+    faces: u32,
+}
+
+/// The file of packed levels, the largest first.
+fn written(texture: &Texture, packed: &[(u64, Vec<u8>)]) -> Vec<u8> {
+    let descriptor = descriptor(texture.format);
     let keys = keys();
-    let descriptor_at = Header::LENGTH + LevelIndex::LENGTH * levels.len();
+    let descriptor_at = Header::LENGTH + LevelIndex::LENGTH * packed.len();
     let keys_at = descriptor_at + descriptor.len();
     let header = Header {
-        format: Some(format),
-        type_size: 1,
-        pixel_width: levels[0].width(),
-        pixel_height: levels[0].height(),
+        format: Some(texture.format),
+        type_size: texture.type_size,
+        pixel_width: texture.size[0],
+        pixel_height: texture.size[1],
         pixel_depth: 0,
         layer_count: 0,
-        face_count: 1,
-        level_count: levels.len() as u32,
+        face_count: texture.faces,
+        level_count: packed.len() as u32,
         supercompression_scheme: Some(SupercompressionScheme::Zstandard),
         index: Index {
             dfd_byte_offset: descriptor_at as u32,
@@ -83,13 +155,13 @@ pub fn encode_ktx2(
     for (_, bytes) in packed.iter().rev() {
         out.extend(bytes);
     }
-    Ok(out)
+    out
 }
 
 /// The data format descriptor, with its total length in front.
 fn descriptor(format: Format) -> Vec<u8> {
     let (basic, _) = dfd::Basic::from_format(format)
-        .unwrap_or_else(|_| unreachable!("the crate knows BC7 and its sRGB form"));
+        .unwrap_or_else(|_| unreachable!("the crate knows all formats that are written here"));
     let block = dfd::Block::Basic(basic).to_vec();
     let total = (block.len() + 4) as u32;
     [total.to_le_bytes().as_slice(), &block].concat()

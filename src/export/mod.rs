@@ -4,7 +4,11 @@
 //! A picture of a tree becomes a [`Sprite`] (trimmed, bled, with its foot and its size in metres);
 //! from it come mip chains, block-compressed textures, atlas pages, cards and glTF files.
 //!
-//! Imports `base`, `raster`, `geometry`, `contour`, `crown`, `scene`.
+//! A crown becomes models with levels of detail ([`CrownModel`]), impostors ([`Impostor`]) and
+//! cubemaps.
+//!
+//! Imports `base`, `raster`, `geometry`, `contour`, `branches` (twigs), `crown`, `scene`, `render`
+//! (the bark of stems).
 
 mod atlas;
 mod atlas_json;
@@ -13,12 +17,15 @@ mod blocks;
 mod cards;
 mod crown_folder;
 mod crown_mesh;
+mod crown_model;
 mod cutout;
 mod dds;
 mod gallery;
 mod glb;
 mod glb_file;
+mod impostor;
 mod ktx2_file;
+mod leaf_cards;
 mod mips;
 mod obj;
 mod ply;
@@ -27,6 +34,7 @@ mod record;
 mod scatter;
 mod sprite;
 mod sprite_atlas;
+mod stem;
 mod tree_model;
 
 pub use atlas::{AtlasLayout, atlas};
@@ -38,17 +46,23 @@ pub use crown_folder::{
     CROWN_RECORD, CrownFolderError, CrownRecord, crown_file_names, crown_files, crown_from_files,
 };
 pub use crown_mesh::crown_glb;
+pub use crown_model::{CrownModel, ModelMaterial, leaf_model, surface_model};
 pub use cutout::{Cutout, cutout};
 pub use dds::encode_dds;
 pub use gallery::{GalleryTree, gallery_list, gallery_page, gallery_tree};
 pub use glb::{GlbError, MeshParts, glb};
 pub use glb_file::{Glb, Instance, Material, MeshId, NodeId};
-pub use ktx2_file::encode_ktx2;
+pub use impostor::{
+    Impostor, ImpostorForm, ImpostorSettings, frame_direction, godot_shader, impostor, three_module,
+};
+pub use ktx2_file::{encode_ktx2, encode_ktx2_colors, encode_ktx2_radii};
 pub use mips::{ALPHA_CUTOFF, coverage, data_mips, mips, normal_mips};
 pub use obj::obj;
 pub use ply::{PlyError, decode_ply, encode_ply};
 pub use preset::{Preset, TextureStyle};
-pub use record::{CutoutRecord, LicenseRecord, PresetLibrary, PresetTree};
+pub use record::{
+    CutoutRecord, ImpostorRecord, LicenseRecord, PresetCrown, PresetLibrary, PresetTree,
+};
 pub use scatter::{ScatterSettings, scattered};
 pub use sprite::{Sprite, SpriteError, SpriteSettings};
 pub use sprite_atlas::{

@@ -136,6 +136,32 @@ impl Preset {
         }
     }
 
+    /// The README of exported crowns: three lines.
+    pub fn crown_readme(self) -> String {
+        let models = match self {
+            Self::Blender => {
+                "File > Import > glTF 2.0: models/NAME.glb has leaf cards, models/NAME_surface.glb a closed surface; origin at the foot, metres."
+            }
+            Self::Godot => {
+                "Copy this folder into the project: models/NAME.glb (leaf cards) and NAME_surface.glb (closed surface) import as scenes, origin at the foot, metres."
+            }
+            Self::Unity => {
+                "Install com.unity.cloud.gltfast, then copy this folder into Assets: models/NAME.glb (leaf cards) and NAME_surface.glb import with children _LOD0 to _LOD3."
+            }
+            Self::Unreal => {
+                "Drop models/SM_NAME.glb (leaf cards) and SM_NAME_surface.glb into the content browser; pivot at the foot."
+            }
+            Self::Web | Self::FlightGear => {
+                "models/NAME.glb (leaf cards) and NAME_surface.glb (closed surface) load in three.js, Babylon.js and model-viewer; origin at the foot, metres."
+            }
+        };
+        format!(
+            "{models}\n\
+             impostors/NAME_full and _hemisphere: octahedral impostors, albedo with alpha, and normals (tree's frame, n/2 + 1/2) with 1 - depth; shaders/ has samples for Godot and three.js, library.json their numbers.\n\
+             cubemaps/NAME: colours (sRGB) and radii (metres) as KTX2 and PNG, faces +X -X +Y -Y +Z -Z as in Vulkan and glTF; crown.json tells the encoding.\n"
+        )
+    }
+
     /// All of them.
     pub const ALL: [Self; 6] = [
         Self::Blender,
@@ -155,6 +181,7 @@ mod tests {
     fn every_readme_has_three_lines_and_every_map_a_name_of_its_own() {
         for preset in Preset::ALL {
             assert_eq!(preset.readme().lines().count(), 3, "{preset:?}");
+            assert_eq!(preset.crown_readme().lines().count(), 3, "{preset:?}");
             let maps = ["albedo", "normal", "ao", "depth", "translucency"];
             let mut files = maps.map(|map| preset.style().file("a", map));
             files.sort();

@@ -26,8 +26,11 @@ pub struct PresetLibrary {
     /// Whose work it is, and what others may do with it.
     #[serde(flatten)]
     pub rights: LicenseRecord,
-    /// The trees.
+    /// The trees that are pictures.
     pub trees: Vec<PresetTree>,
+    /// The trees that are crowns.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub crowns: Vec<PresetCrown>,
     /// Further files of the folder, by what they are.
     pub files: BTreeMap<String, Vec<String>>,
 }
@@ -80,6 +83,46 @@ pub struct PresetTree {
     pub recipe: Option<Value>,
 }
 
+/// A tree with a crown in three dimensions.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PresetCrown {
+    /// Its name.
+    pub name: String,
+    /// Its files by what they are (`model`, `surface`, `impostor_full`, `colors`, …), relative to
+    /// this file.
+    pub files: BTreeMap<String, String>,
+    /// Width, height and depth, in metres; the foot of its stem is at the origin of its models.
+    pub size_m: [f64; 3],
+    /// Triangles of each level of detail of the leaf cards, the finest first.
+    pub leaf_triangles: Vec<usize>,
+    /// Triangles of each level of detail of the surface.
+    pub surface_triangles: Vec<usize>,
+    /// Its impostors.
+    pub impostors: Vec<ImpostorRecord>,
+    /// The centre that the cubemaps' directions start from, in metres from the foot.
+    pub cubemap_center_m: [f64; 3],
+    /// How the crown was made, as recorded by the program that made it.
+    pub recipe: Value,
+}
+
+/// What a shader must know of an impostor.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ImpostorRecord {
+    /// `full` or `hemisphere`.
+    pub form: String,
+    /// Frames along a side of the atlas; they stand row by row.
+    pub frames: u32,
+    /// Side of a frame, in pixels.
+    pub frame_px: u32,
+    /// What the middle of every frame shows, in metres from the foot.
+    pub center_m: [f64; 3],
+    /// Half the side of a frame, in metres.
+    pub half_m: f64,
+    /// The alpha of the normals is 1 − depth: 1 this far before the centre, 0 as far behind it; in
+    /// metres.
+    pub depth_m: f64,
+}
+
 /// A cut-out in numbers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CutoutRecord {
@@ -106,6 +149,7 @@ impl PresetLibrary {
             preset: preset.to_owned(),
             rights,
             trees,
+            crowns: Vec::new(),
             files,
         }
     }

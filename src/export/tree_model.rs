@@ -70,7 +70,7 @@ impl TreeModel<'_> {
 
 /// The share of the screen's height down to which level `level` of `count` serves: halved twice for
 /// each level, the last down to a hundredth.
-fn screen_coverage(count: usize) -> Vec<f64> {
+pub(super) fn screen_coverage(count: usize) -> Vec<f64> {
     let inner = (0..count).map(|level| 0.5 / f64::from(4u32.pow(level as u32)));
     let mut coverage: Vec<f64> = inner.collect();
     if let Some(last) = coverage.last_mut() {

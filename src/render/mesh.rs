@@ -90,11 +90,6 @@ impl PreparedMesh {
 
     /// A stem with furrowed bark, in the shade of `crown` where it stands below or within it.
     pub fn of_trunk(trunk: &Trunk, crown: &Crown) -> Self {
-        let bark = Bark {
-            kind: BarkKind::Furrowed,
-            low: [112, 98, 82],
-            high: [120, 108, 92],
-        };
         let place = |i: u32, j: u32| {
             let along = f64::from(j) / f64::from(ALONG);
             // Rings are nearer to each other at the foot, where one looks.
@@ -108,7 +103,7 @@ impl PreparedMesh {
         for j in 0..=ALONG {
             for i in 0..AROUND {
                 let (turn, along) = place(i, j);
-                let (position, color) = on_trunk(trunk, &bark, turn, along);
+                let (position, color) = on_trunk(trunk, turn, along);
                 mesh.positions.push(position);
                 colors.push(color);
             }
@@ -131,7 +126,12 @@ impl PreparedMesh {
 }
 
 /// The place of the bark at the share `turn` around and `along` up a stem, and its linear colour.
-fn on_trunk(trunk: &Trunk, bark: &Bark, turn: f64, along: f64) -> (DVec3, [f32; 3]) {
+pub(crate) fn on_trunk(trunk: &Trunk, turn: f64, along: f64) -> (DVec3, [f32; 3]) {
+    let bark = Bark {
+        kind: BarkKind::Furrowed,
+        low: [112, 98, 82],
+        high: [120, 108, 92],
+    };
     let angle = turn * std::f64::consts::TAU;
     let outward = DVec3::new(libm::cos(angle), 0.0, libm::sin(angle));
     let height = (trunk.top_m.y - trunk.base_m.y) * along;

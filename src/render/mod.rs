@@ -22,11 +22,13 @@ mod settings;
 mod shaders;
 mod surface;
 
+pub(crate) use color::{linear, srgb_byte};
 pub use error::RenderError;
 pub use frame::{CrownNumbers, Frame, InstanceNumbers, SceneView};
 pub use gpu::{Gpu, GpuRenderer};
 pub use leaf_atlas::LeafAtlas;
 pub use leaf_set::LeafSet;
+pub(crate) use mesh::on_trunk;
 pub use mesh::{MeshVertex, PreparedMesh};
 pub use packed_cube::PackedCube;
 pub use prepared::PreparedCrown;

@@ -1,0 +1,384 @@
+//! `boscage export`: crowns → models, impostors and cubemaps.
+
+use super::export::ExportSettings;
+use super::failure::Failure;
+use super::input::read_crown_and_record;
+use super::items;
+use super::output::recipe;
+use super::session::Session;
+use crate::base::{Digest, Seed};
+use crate::branches::sprite::LeafShape;
+use crate::export::{
+    CrownModel, CrownRecord, Impostor, ImpostorForm, ImpostorRecord, ImpostorSettings, Preset,
+    PresetCrown, PresetLibrary, crown_files, encode_ktx2_colors, encode_ktx2_radii, godot_shader,
+    impostor, leaf_model, surface_model, three_module,
+};
+use crate::raster::{Compression, encode_png};
+use crate::scene::Crown;
+use clap::ValueEnum;
+use serde_json::json;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// The file of a crown's cubemaps that is written last and carries the recipe of all.
+const LAST: &str = "color_px.png";
+
+/// Directions of an impostor's frames.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
+pub(super) enum ImpostorName {
+    /// From all around
+    Full,
+    /// From the horizon and above
+    Hemisphere,
+}
+
+/// Leaves of a crown's cards.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub(super) enum LeafName {
+    /// Egg-shaped: birch, apple
+    #[default]
+    Ovate,
+    /// Nearly round: aspen, lime
+    Round,
+    /// Wavy lobes: oak
+    Lobed,
+    /// Pointed fingers: maple
+    Palmate,
+    /// Long and narrow: willow
+    Lance,
+    /// Short needles: spruce, fir
+    Brush,
+    /// Long needles: pine
+    Tuft,
+}
+
+impl LeafName {
+    fn shape(self) -> LeafShape {
+        match self {
+            Self::Ovate => LeafShape::Ovate,
+            Self::Round => LeafShape::Round,
+            Self::Lobed => LeafShape::Lobed,
+            Self::Palmate => LeafShape::Palmate,
+            Self::Lance => LeafShape::Lance,
+            Self::Brush => LeafShape::Brush,
+            Self::Tuft => LeafShape::Tuft,
+        }
+    }
+}
+
+/// What is made of crowns alone.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct CrownExportSettings {
+    pub(super) impostors: Vec<ImpostorName>,
+    pub(super) frames: u32,
+    pub(super) frame_px: u32,
+    pub(super) leaves: LeafName,
+}
+
+/// The crowns that `path` names: itself, or the folders in it that have a record; none when it holds
+/// something else.
+///
+/// # Errors
+/// [`Failure`] when the folder cannot be listed or a name is not text.
+pub(super) fn crown_folders(path: &Path) -> Result<Vec<(String, PathBuf)>, Failure> {
+    let is_crown = |folder: &Path| folder.join(crate::export::CROWN_RECORD).is_file();
+    let named = |folder: PathBuf| {
+        let whole = folder.canonicalize().unwrap_or_else(|_| folder.clone());
+        let name = whole.file_name().and_then(|name| name.to_str());
+        match name {
+            Some(name) => Ok((name.to_owned(), folder)),
+            None => Err(Failure::of(folder.display(), "its name is no text")),
+        }
+    };
+    if is_crown(path) {
+        return Ok(vec![named(path.to_owned())?]);
+    }
+    if !path.is_dir() || path.join("library.json").is_file() {
+        return Ok(Vec::new());
+    }
+    let failed = |error: std::io::Error| Failure::of(path.display(), error);
+    let mut folders = Vec::new();
+    for entry in std::fs::read_dir(path).map_err(failed)? {
+        let folder = entry.map_err(failed)?.path();
+        if is_crown(&folder) {
+            folders.push(named(folder)?);
+        }
+    }
+    folders.sort();
+    Ok(folders)
+}
+
+/// A checked job on crowns.
+pub(super) struct CrownExport<'a> {
+    pub(super) settings: &'a ExportSettings,
+    pub(super) crowns: &'a [(String, PathBuf)],
+}
+
+impl CrownExport<'_> {
+    pub(super) fn run(&self, session: &Session<'_>) -> Result<(), Failure> {
+        let out = &self.settings.out;
+        if self.settings.preset == Preset::FlightGear {
+            let reason = "flightgear draws trees from pictures; export a library of them";
+            return Err(Failure::of("--preset", reason));
+        }
+        let whole = session.options.shard.is_whole();
+        let ours = (0u64..)
+            .zip(self.crowns)
+            .filter(|(i, _)| session.options.shard.contains(*i));
+        for (_, (name, _)) in ours {
+            let files = self.files(name);
+            session
+                .output
+                .check(files.values().map(|file| out.join(file)))?;
+        }
+        if whole {
+            let shared = shared_files().map(|(file, _)| file);
+            let files = shared.into_iter().chain(["library.json", "README.txt"]);
+            session.output.check(files.map(|file| out.join(file)))?;
+        }
+        let made = items::made(session, "export", self.crowns, |_, (name, folder)| {
+            self.export_crown(name, folder, session)
+        })?;
+        let records: Vec<PresetCrown> = made.ready.into_iter().map(|(_, crown)| crown).collect();
+        if whole {
+            self.write_shared(&records, session)?;
+        }
+        session.print_json(|| {
+            json!({
+                "preset": self.settings.preset.name(),
+                "crowns": records,
+                "refused": made.refused.into_iter().map(|(_, reason)| reason).collect::<Vec<_>>(),
+                "seconds": session.seconds(),
+            })
+        })
+    }
+
+    /// Names and places of a crown's files, by what they are.
+    fn files(&self, name: &str) -> BTreeMap<String, String> {
+        let preset = self.settings.preset;
+        let mut files = BTreeMap::new();
+        let mut add = |key: &str, file: String| files.insert(key.to_owned(), file);
+        add("model", preset.model(name));
+        add("surface", preset.model(&format!("{name}_surface")));
+        for form in &self.settings.crowns.impostors {
+            let form = form.form().name();
+            let file = |map: &str| format!("impostors/{name}_{form}_{map}.png");
+            add(&format!("impostor_{form}"), file("albedo"));
+            add(&format!("impostor_{form}_normal"), file("normal"));
+        }
+        add("colors", format!("cubemaps/{name}/color.ktx2"));
+        add("radii", format!("cubemaps/{name}/radius.ktx2"));
+        for file in cubemap_files() {
+            let key = file.trim_end_matches(".png").trim_end_matches(".json");
+            add(&format!("cubemap_{key}"), format!("cubemaps/{name}/{file}"));
+        }
+        files
+    }
+
+    fn export_crown(
+        &self,
+        name: &str,
+        folder: &Path,
+        session: &Session<'_>,
+    ) -> Result<PresetCrown, Failure> {
+        let settings = self.settings;
+        let out = &settings.out;
+        let (crown, record, digest) = read_crown_and_record(folder)?;
+        let made_from = self.recipe(name, digest, session);
+        let files = self.files(name);
+        let last = out.join(format!("cubemaps/{name}/{LAST}"));
+        let is_ready = session.output.is_ready(&last, made_from)
+            && files.values().all(|file| out.join(file).is_file());
+        let seed = Seed(session.options.seed);
+        let leaves = leaf_model(&crown, name, settings.crowns.leaves.shape(), seed);
+        session.cancel.check()?;
+        let surface = surface_model(&crown, &format!("{name}_surface"));
+        session.cancel.check()?;
+        let mut impostors = Vec::new();
+        for form in &settings.crowns.impostors {
+            let wanted = settings.crowns.impostor(form.form());
+            if is_ready {
+                impostors.push(wanted.record(&leaves));
+                continue;
+            }
+            let made = impostor(&leaves, &wanted, || (), session.cancel)?;
+            self.write_impostor(&made, form.form().name(), &files, session)?;
+            impostors.push(wanted.record(&leaves));
+        }
+        if !is_ready {
+            for (key, model) in [("model", &leaves), ("surface", &surface)] {
+                self.write(&files[key], &self.glb(model), session)?;
+            }
+            self.write_cubemaps(&crown, &record, &files, made_from, session)?;
+        }
+        Ok(crown_record(
+            name, &crown, record, files, &leaves, &surface, impostors,
+        ))
+    }
+
+    fn write(&self, file: &str, bytes: &[u8], session: &Session<'_>) -> Result<(), Failure> {
+        session.cancel.check()?;
+        session.output.write(&self.settings.out.join(file), bytes)
+    }
+
+    fn write_impostor(
+        &self,
+        made: &Impostor,
+        form: &str,
+        files: &BTreeMap<String, String>,
+        session: &Session<'_>,
+    ) -> Result<(), Failure> {
+        let key = format!("impostor_{form}");
+        for (key, picture) in [
+            (key.clone(), &made.albedo),
+            (key + "_normal", &made.normal_depth),
+        ] {
+            self.write(
+                &files[&key],
+                &encode_png(picture, Compression::Small),
+                session,
+            )?;
+        }
+        Ok(())
+    }
+
+    /// KTX2 and PNG faces with their record, [`LAST`] last.
+    fn write_cubemaps(
+        &self,
+        crown: &Crown,
+        record: &CrownRecord,
+        files: &BTreeMap<String, String>,
+        made_from: Digest,
+        session: &Session<'_>,
+    ) -> Result<(), Failure> {
+        let colors = encode_ktx2_colors(&crown.color, session.cancel)?;
+        self.write(&files["colors"], &colors, session)?;
+        self.write(
+            &files["radii"],
+            &encode_ktx2_radii(&crown.radius_m),
+            session,
+        )?;
+        let made = crown_files(crown, record.recipe.clone())
+            .map_err(|error| Failure::of("crown", error))?;
+        let wanted = cubemap_files();
+        let folder = self.settings.out.join(&files["colors"]);
+        let folder = folder.parent().unwrap_or(&self.settings.out);
+        let mut last = None;
+        for (file, bytes) in made.into_iter().filter(|(file, _)| wanted.contains(file)) {
+            session.cancel.check()?;
+            if file == LAST {
+                last = Some(bytes);
+            } else {
+                session.output.write(&folder.join(file), &bytes)?;
+            }
+        }
+        let last = last.unwrap_or_else(|| unreachable!("a cubemap has a first face"));
+        session
+            .output
+            .write_item(&folder.join(LAST), last, made_from)
+    }
+
+    fn glb(&self, model: &CrownModel) -> Vec<u8> {
+        let settings = self.settings;
+        model.glb(
+            settings.preset.groups_lods(),
+            settings.wind == crate::export::WindChannels::AttributeAndColors,
+            settings.rights.copyright().as_deref(),
+        )
+    }
+
+    /// Sample shaders, README and, last, `library.json`.
+    fn write_shared(&self, records: &[PresetCrown], session: &Session<'_>) -> Result<(), Failure> {
+        let stage = session.progress.stage("scene", 1);
+        let mut files = BTreeMap::new();
+        for (file, text) in shared_files() {
+            self.write(file, text.as_bytes(), session)?;
+            let key = file.rsplit('.').next().unwrap_or_default();
+            files.insert(format!("impostor_{key}"), vec![file.to_owned()]);
+        }
+        let readme = self.settings.preset.crown_readme();
+        self.write("README.txt", readme.as_bytes(), session)?;
+        let mut library = PresetLibrary::new(
+            self.settings.preset.name(),
+            self.settings.rights.clone(),
+            Vec::new(),
+            files,
+        );
+        library.crowns = records.to_vec();
+        self.write("library.json", library.to_json().as_bytes(), session)?;
+        stage.advance();
+        Ok(())
+    }
+
+    /// The digest of all that a crown's files are made from.
+    fn recipe(&self, name: &str, crown: Digest, session: &Session<'_>) -> Digest {
+        let settings = self.settings;
+        let told = format!(
+            "{name} {:?} {:?} {:?} {:?}",
+            settings.preset, settings.crowns, settings.wind, settings.rights
+        );
+        recipe("export crown")
+            .with(crown.bytes())
+            .with(&session.options.seed.to_le_bytes())
+            .with(told.as_bytes())
+            .finish()
+    }
+}
+
+impl ImpostorName {
+    fn form(self) -> ImpostorForm {
+        match self {
+            Self::Full => ImpostorForm::Full,
+            Self::Hemisphere => ImpostorForm::Hemisphere,
+        }
+    }
+}
+
+impl CrownExportSettings {
+    fn impostor(&self, form: ImpostorForm) -> ImpostorSettings {
+        ImpostorSettings {
+            form,
+            frames: self.frames,
+            frame_px: self.frame_px,
+        }
+    }
+}
+
+/// Files that belong to no single crown, with their text.
+fn shared_files() -> [(&'static str, &'static str); 2] {
+    [
+        ("shaders/impostor.gdshader", godot_shader()),
+        ("shaders/impostor.js", three_module()),
+    ]
+}
+
+/// The files of a crown's folder that are exported as they are: all faces, and the record.
+fn cubemap_files() -> Vec<String> {
+    let names = crate::export::crown_file_names().into_iter();
+    names
+        .filter(|name| name.ends_with(".png") || name.ends_with(".json"))
+        .collect()
+}
+
+fn crown_record(
+    name: &str,
+    crown: &Crown,
+    record: CrownRecord,
+    files: BTreeMap<String, String>,
+    leaves: &CrownModel,
+    surface: &CrownModel,
+    impostors: Vec<ImpostorRecord>,
+) -> PresetCrown {
+    let [low, high] = leaves.bounds_m();
+    let foot = crate::scene::Trunk::under(crown).base_m;
+    PresetCrown {
+        name: name.to_owned(),
+        files,
+        size_m: (high - low).to_array(),
+        leaf_triangles: leaves.triangles(),
+        surface_triangles: surface.triangles(),
+        impostors,
+        cubemap_center_m: (crown.center_m - foot).to_array(),
+        recipe: record.recipe,
+    }
+}

@@ -1,0 +1,225 @@
+//! A crown as a model with levels of detail, in two forms: its surface with the relief in it, and
+//! cards with leaves around a dark core; both on a stem with bark. The foot stands at the origin.
+//!
+//! The surface is closed and opaque: the cheapest thing that is right from all sides. Leaf cards are
+//! alpha-tested and look best from near. In both each level has about a quarter of the triangles of
+//! the one before.
+
+use super::atlas::{AtlasLayout, atlas};
+use super::cards::CardMesh;
+use super::crown_mesh::divided;
+use super::glb_file::{Glb, Material, NodeId};
+use super::leaf_cards::{LeafCards, averaged};
+use super::stem::{Stand, bark_picture, stem};
+use super::tree_model::screen_coverage;
+use crate::base::Seed;
+use crate::branches::sprite::LeafShape;
+use crate::crown::cube_sphere;
+use crate::raster::{Compression, Cubemap, Image, Straight, encode_png};
+use crate::render::srgb_byte;
+use crate::scene::{Crown, Trunk};
+use glam::DVec3;
+
+/// Cells along a face of the surface, by level.
+const SURFACE_CELLS: [u32; 4] = [64, 32, 16, 8];
+
+/// Leaves, each a pair of cards, by level.
+const LEAVES: [usize; 4] = [1280, 480, 160, 48];
+
+/// Quads around and along the stem, by level.
+const STEM: [(u32, u32); 4] = [(24, 20), (14, 10), (8, 5), (5, 3)];
+
+/// Cells along a face of the core of a leaf crown, by level.
+const CORE_CELLS: [u32; 4] = [12, 8, 5, 4];
+
+/// Size and brightness of the core: it closes the gaps between leaves and is not to be seen itself.
+const CORE: f32 = 0.74;
+const CORE_LIGHT: f32 = 0.35;
+/// Texels along a face of the core's picture.
+const CORE_PX: u32 = 32;
+
+/// A material of a model.
+#[derive(Debug, Clone)]
+pub struct ModelMaterial {
+    /// `leaves`, `crown`, `core` or `bark`.
+    pub name: &'static str,
+    /// Its colours.
+    pub picture: Image<Straight>,
+    /// Whether it is drawn without an alpha test.
+    pub is_solid: bool,
+}
+
+/// A crown as meshes.
+#[derive(Debug, Clone)]
+pub struct CrownModel {
+    /// Name of its nodes: `NAME_LOD0`, `NAME_LOD1`, …
+    pub name: String,
+    /// What parts refer to.
+    pub materials: Vec<ModelMaterial>,
+    /// Levels from fine to coarse; each a list of parts with the index of their material.
+    pub levels: Vec<Vec<(usize, CardMesh)>>,
+}
+
+/// The crown's surface, opaque, in four levels from 49,000 to 768 triangles, on its stem.
+///
+/// # Panics
+/// Never for a crown with faces of at least one texel.
+pub fn surface_model(crown: &Crown, name: &str) -> CrownModel {
+    let (trunk, stand) = standing(crown);
+    let layout = AtlasLayout::new(crown.color.size());
+    let levels = SURFACE_CELLS.iter().zip(STEM).map(|(&cells, quads)| {
+        vec![
+            (0, surface(crown, &crown.radius_m, cells, layout, &stand)),
+            (1, stem(&trunk, &stand, quads.0, quads.1)),
+        ]
+    });
+    CrownModel {
+        name: name.to_owned(),
+        levels: levels.collect(),
+        materials: vec![
+            solid("crown", atlas(&crown.color)),
+            solid("bark", bark_picture(&trunk)),
+        ],
+    }
+}
+
+/// Leaves of `shape` all over the crown, in four levels, around a core, on its stem.
+pub fn leaf_model(crown: &Crown, name: &str, shape: LeafShape, seed: Seed) -> CrownModel {
+    let (trunk, stand) = standing(crown);
+    let leaves = LeafCards::new(crown, shape, LEAVES[0], seed);
+    let inner = crown.radius_m.map(|&radius| radius * CORE);
+    let colors = averaged(&crown.color, CORE_PX);
+    let dark = colors.map(|&color| {
+        let [r, g, b] = color.map(|channel| srgb_byte(channel * CORE_LIGHT));
+        Straight([r, g, b, 255])
+    });
+    let layout = AtlasLayout::new(dark.size());
+    let levels = (0..LEAVES.len()).map(|level| {
+        let (around, along) = STEM[level];
+        vec![
+            (0, leaves.cards(LEAVES[level], &stand)),
+            (1, surface(crown, &inner, CORE_CELLS[level], layout, &stand)),
+            (2, stem(&trunk, &stand, around, along)),
+        ]
+    });
+    CrownModel {
+        name: name.to_owned(),
+        levels: levels.collect(),
+        materials: vec![
+            ModelMaterial {
+                name: "leaves",
+                picture: leaves.picture,
+                is_solid: false,
+            },
+            solid("core", atlas(&dark)),
+            solid("bark", bark_picture(&trunk)),
+        ],
+    }
+}
+
+fn solid(name: &'static str, picture: Image<Straight>) -> ModelMaterial {
+    ModelMaterial {
+        name,
+        picture,
+        is_solid: true,
+    }
+}
+
+/// The stem of `crown`, and where the tree stands.
+fn standing(crown: &Crown) -> (Trunk, Stand) {
+    let trunk = Trunk::under(crown);
+    let (middle, _) = crown.tree_bounds();
+    let stand = Stand {
+        height_m: 2.0 * middle.y,
+        shift: -trunk.base_m,
+    };
+    (trunk, stand)
+}
+
+/// The surface at `radius` with the texture coordinates of `layout`.
+fn surface(
+    crown: &Crown,
+    radius: &Cubemap<f32>,
+    cells: u32,
+    layout: AtlasLayout,
+    stand: &Stand,
+) -> CardMesh {
+    let sphere = cube_sphere(radius, crown.center_m + stand.shift, cells);
+    let (mesh, normals, uvs) = divided(&sphere, layout);
+    let reach = mesh
+        .positions
+        .iter()
+        .map(|p| libm::hypot(p.x, p.z))
+        .fold(1e-9, f64::max);
+    let wind = |at: &DVec3| {
+        let edge = libm::hypot(at.x, at.z) / reach;
+        // One phase: a closed surface that moved in parts would tear.
+        [edge, 0.0, stand.sway(at.y)].map(|weight| weight as f32)
+    };
+    CardMesh {
+        wind: mesh.positions.iter().map(wind).collect(),
+        positions: singles(&mesh.positions),
+        normals: singles(&normals),
+        tangents: Vec::new(),
+        uvs,
+        indices: mesh.triangles.into_flattened(),
+    }
+}
+
+fn singles(values: &[DVec3]) -> Vec<[f32; 3]> {
+    values.iter().map(|v| v.as_vec3().to_array()).collect()
+}
+
+impl CrownModel {
+    /// Triangles of each level.
+    pub fn triangles(&self) -> Vec<usize> {
+        let of = |level: &Vec<(usize, CardMesh)>| {
+            level.iter().map(|(_, mesh)| mesh.indices.len() / 3).sum()
+        };
+        self.levels.iter().map(of).collect()
+    }
+
+    /// Corners of the box around the finest level, metres.
+    pub fn bounds_m(&self) -> [DVec3; 2] {
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for (_, mesh) in &self.levels[0] {
+            for &[x, y, z] in &mesh.positions {
+                let at = DVec3::new(f64::from(x), f64::from(y), f64::from(z));
+                (low, high) = (low.min(at), high.max(at));
+            }
+        }
+        [low, high]
+    }
+
+    /// The bytes of a `.glb` file. `grouped`: all levels side by side under one node, for importers
+    /// that group them by name; otherwise behind the first (`MSFT_lod`). `colors`: wind weights also
+    /// as vertex colours.
+    pub fn glb(&self, grouped: bool, colors: bool, copyright: Option<&str>) -> Vec<u8> {
+        let mut glb = Glb::new(copyright);
+        for material in &self.materials {
+            let name = format!("{}_{}", self.name, material.name);
+            glb.material(&Material {
+                name: &name,
+                albedo: &encode_png(&material.picture, Compression::Small),
+                normal: None,
+                occlusion: None,
+                is_solid: material.is_solid,
+            });
+        }
+        let mut nodes: Vec<NodeId> = Vec::new();
+        for (level, parts) in self.levels.iter().enumerate() {
+            let name = format!("{}_LOD{level}", self.name);
+            let parts: Vec<(usize, &CardMesh)> = parts.iter().map(|(m, mesh)| (*m, mesh)).collect();
+            let mesh = glb.parts(&name, &parts, colors);
+            nodes.push(glb.node(&name, mesh));
+        }
+        if grouped {
+            let root = glb.group(&self.name, &nodes);
+            glb.show(root);
+        } else {
+            glb.levels_of_detail(nodes[0], &nodes[1..], &screen_coverage(nodes.len()));
+            glb.show(nodes[0]);
+        }
+        glb.into_bytes()
+    }
+}

@@ -1,4 +1,4 @@
-//! KTX2 textures: BC7 blocks with all mip levels, each level packed by Zstandard.
+//! KTX2 textures: BC7 (or BC3) blocks with all mip levels, each level packed by Zstandard.
 //!
 //! Why not BasisU (ETC1S, UASTC): the only encoder is a C++ library, and the project builds with
 //! Rust alone. BC7 with supercompression is what the format offers beside it: larger files than
@@ -8,38 +8,35 @@
 //!
 //! Rows run down and columns to the right (`KTXorientation` `rd`); alpha is straight.
 
-use super::blocks::{BlockFormat, compressed};
+use super::blocks::{BlockFormat, CompressedLevels};
 use crate::base::{Cancel, Cancelled};
-use crate::raster::{Image, Straight};
 use ktx2::{Format, Header, Index, LevelIndex, SupercompressionScheme, dfd};
 use rayon::prelude::*;
 use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 
-/// The mip chain `levels` as a KTX2 file; `srgb` says whether its values are colours.
+/// `texture` as a KTX2 file; `srgb` says whether its values are colours.
 ///
 /// # Errors
 /// [`Cancelled`].
-///
-/// # Panics
-/// When there is no level.
 pub fn encode_ktx2(
-    levels: &[Image<Straight>],
+    texture: &CompressedLevels,
     srgb: bool,
     cancel: &Cancel,
 ) -> Result<Vec<u8>, Cancelled> {
+    let levels = &texture.levels;
     let packed: Vec<(u64, Vec<u8>)> = levels
         .par_iter()
-        .map(|level| {
-            let blocks = compressed(level, BlockFormat::Bc7, cancel)?;
+        .map(|blocks| {
             cancel.check()?;
             let packed = compress_to_vec(blocks.as_slice(), CompressionLevel::Fastest);
             Ok((blocks.len() as u64, packed))
         })
         .collect::<Result<_, Cancelled>>()?;
-    let format = if srgb {
-        Format::BC7_SRGB_BLOCK
-    } else {
-        Format::BC7_UNORM_BLOCK
+    let format = match (texture.format, srgb) {
+        (BlockFormat::Bc3, false) => Format::BC3_UNORM_BLOCK,
+        (BlockFormat::Bc3, true) => Format::BC3_SRGB_BLOCK,
+        (BlockFormat::Bc7, false) => Format::BC7_UNORM_BLOCK,
+        (BlockFormat::Bc7, true) => Format::BC7_SRGB_BLOCK,
     };
     let descriptor = descriptor(format);
     let keys = keys();
@@ -48,8 +45,8 @@ pub fn encode_ktx2(
     let header = Header {
         format: Some(format),
         type_size: 1,
-        pixel_width: levels[0].width(),
-        pixel_height: levels[0].height(),
+        pixel_width: texture.size[0],
+        pixel_height: texture.size[1],
         pixel_depth: 0,
         layer_count: 0,
         face_count: 1,
@@ -89,7 +86,7 @@ pub fn encode_ktx2(
 /// The data format descriptor, with its total length in front.
 fn descriptor(format: Format) -> Vec<u8> {
     let (basic, _) = dfd::Basic::from_format(format)
-        .unwrap_or_else(|_| unreachable!("the crate knows BC7 and its sRGB form"));
+        .unwrap_or_else(|_| unreachable!("the crate knows BC3, BC7 and their sRGB forms"));
     let block = dfd::Block::Basic(basic).to_vec();
     let total = (block.len() + 4) as u32;
     [total.to_le_bytes().as_slice(), &block].concat()
@@ -111,6 +108,7 @@ fn keys() -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::raster::{Image, Straight};
     use block_compression::decode::decompress_blocks_as_rgba8;
     use block_compression::{BC7Settings, CompressionVariant};
     use std::io::Read as _;
@@ -120,7 +118,8 @@ mod tests {
         let pixels = (0..16 * 32).map(|i| Straight([(i / 4) as u8, 90, 30, 255 - (i / 8) as u8]));
         let image = Image::from_pixels(16, 32, pixels.collect());
         let levels = super::super::data_mips(&image, &Cancel::new()).unwrap();
-        let file = encode_ktx2(&levels, true, &Cancel::new()).unwrap();
+        let texture = CompressedLevels::of(&levels, BlockFormat::Bc7, &Cancel::new()).unwrap();
+        let file = encode_ktx2(&texture, true, &Cancel::new()).unwrap();
         let reader = ktx2::Reader::new(&file).unwrap();
         let header = reader.header();
         assert_eq!(header.format, Some(Format::BC7_SRGB_BLOCK));

@@ -6,14 +6,14 @@ use super::input::PictureFile;
 use super::session::Session;
 use crate::export::{
     AtlasSettings, AtlasSprite, PageContent, PresetTree, SpriteLayout, atlas_json_array,
-    atlas_json_hash, atlas_layout, atlas_page, encode_dds, encode_ktx2, mips,
+    atlas_json_hash, atlas_layout, atlas_page, mips,
 };
-use crate::raster::{Compression, Image, Rect, Straight, encode_png, resized};
+use crate::raster::{Compression, Image, Rect, Straight, encode_opaque_png, encode_png, resized};
 use crate::variation::{Histogram, Transfer};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-use super::export_tree::TextureForm;
+use super::export_tree::{TextureForm, encoded_textures};
 
 /// Lists of files by what they are.
 type Files = BTreeMap<String, Vec<String>>;
@@ -131,13 +131,17 @@ fn write_page(
         files.entry(format!("atlas_{map}")).or_default().push(file);
         Ok(())
     };
-    write("png", &encode_png(image, Compression::Fast))?;
-    let others: Vec<TextureForm> = settings
-        .textures
-        .iter()
-        .copied()
-        .filter(|form| *form != TextureForm::Png)
-        .collect();
+    let png = match content(map) {
+        PageContent::Color => encode_png(image, Compression::Fast),
+        PageContent::Data => encode_opaque_png(image, Compression::Fast),
+    };
+    write("png", &png)?;
+    let of_form = |form: &TextureForm| match form {
+        TextureForm::Png => None,
+        TextureForm::Dds => Some(("dds", *form)),
+        TextureForm::Ktx2 => Some(("ktx2", *form)),
+    };
+    let others: Vec<_> = settings.textures.iter().filter_map(of_form).collect();
     if others.is_empty() {
         return Ok(());
     }
@@ -147,18 +151,8 @@ fn write_page(
         "normal" => crate::export::normal_mips(image, session.cancel)?,
         _ => crate::export::data_mips(image, session.cancel)?,
     };
-    for form in others {
-        let srgb = map == "albedo";
-        match form {
-            TextureForm::Dds => {
-                write(
-                    "dds",
-                    &encode_dds(&levels, settings.blocks, srgb, session.cancel)?,
-                )?;
-            }
-            TextureForm::Ktx2 => write("ktx2", &encode_ktx2(&levels, srgb, session.cancel)?)?,
-            TextureForm::Png => {}
-        }
+    for (ending, bytes) in encoded_textures(settings, &levels, map == "albedo", others, session)? {
+        write(ending, &bytes)?;
     }
     Ok(())
 }

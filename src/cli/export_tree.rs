@@ -8,16 +8,17 @@ use super::records::TreeRecord;
 use super::session::Session;
 use crate::base::Digest;
 use crate::export::{
-    BlockFormat, Cutout, CutoutRecord, GalleryTree, Material, Preset, PresetTree, Sprite,
-    TreeModel, cutout, data_mips, encode_dds, encode_ktx2, gallery_tree, mips, normal_mips,
-    tree_glb,
+    BlockFormat, CompressedLevels, Cutout, CutoutRecord, GalleryTree, Material, Preset, PresetTree,
+    Sprite, TextureStyle, TreeModel, cutout, data_mips, encode_dds, encode_ktx2, gallery_tree,
+    mips, normal_mips, tree_glb,
 };
 use crate::geometry::Point;
 use crate::pipeline::{DEPTH_SHARE, TreeMaps, tree_maps};
-use crate::raster::{Compression, Image, Straight, encode_png};
+use crate::raster::{Compression, Image, Straight, encode_grey_png, encode_opaque_png, encode_png};
 use clap::ValueEnum;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Vertices that a cut-out may have.
 const CUTOUT_VERTICES: usize = 72;
@@ -45,13 +46,43 @@ impl ExportMap {
         }
     }
 
-    fn of(self, maps: &TreeMaps) -> Image<Straight> {
-        let grey = |image: &Image<u8>| image.map(|&v| Straight([v, v, v, 255]));
+    /// The map on the canvas of `sprite`.
+    fn of(self, maps: &TreeMaps, sprite: &Sprite) -> Picture {
+        let grey = |map: &Image<u8>| Picture::Grey(sprite.map(map));
         match self {
-            Self::Normal => maps.normal.clone(),
+            Self::Normal => Picture::Opaque(sprite.map(&maps.normal)),
             Self::Depth => grey(&maps.depth),
             Self::Ao => grey(&maps.ao),
             Self::Translucency => grey(&maps.translucency),
+        }
+    }
+}
+
+/// A picture of a tree, with no more channels than it needs: writing PNG files takes most of the time
+/// of an export.
+enum Picture {
+    /// Colour and alpha.
+    Color(Image<Straight>),
+    /// Three channels; alpha means nothing.
+    Opaque(Image<Straight>),
+    /// One.
+    Grey(Image<u8>),
+}
+
+impl Picture {
+    fn png(&self) -> Vec<u8> {
+        match self {
+            Self::Color(image) => encode_png(image, Compression::Fast),
+            Self::Opaque(image) => encode_opaque_png(image, Compression::Fast),
+            Self::Grey(image) => encode_grey_png(image, Compression::Fast),
+        }
+    }
+
+    /// With all channels, for texture files.
+    fn texels(&self) -> Cow<'_, Image<Straight>> {
+        match self {
+            Self::Color(image) | Self::Opaque(image) => Cow::Borrowed(image),
+            Self::Grey(image) => Cow::Owned(image.map(|&v| Straight([v, v, v, 255]))),
         }
     }
 }
@@ -63,7 +94,7 @@ pub(super) enum TextureForm {
     Png,
     /// DDS with all mip levels
     Dds,
-    /// KTX2, BC7 packed by Zstandard, with all mip levels
+    /// KTX2, BC7 packed by Zstandard, with all mip levels; not BasisU, so not for glTF
     Ktx2,
 }
 
@@ -145,6 +176,20 @@ pub(super) fn export_tree(
     let path = folder.join(&tree.file);
     let file = PictureFile::read(&path)?;
     let made_from = settings.recipe(tree, file.digest());
+    let name = tree.name();
+    let files = tree_files(settings, name);
+    let albedo = settings.out.join(&files["albedo"]);
+    let is_there = || files.values().all(|file| settings.out.join(file).is_file());
+    let noted = session.output.ready_note(&albedo, made_from);
+    let noted = noted.filter(|_| is_there());
+    let noted = noted.and_then(|note| recorded(tree, &files, &note));
+    let is_ready = noted.is_some();
+    if let Some(record) = noted.filter(|_| !is_sample) {
+        return Ok(ExportedTree {
+            record,
+            sample: None,
+        });
+    }
     let image = file.decoded()?;
     drop(file);
     let [x, y] = tree.pins.bottom;
@@ -153,25 +198,13 @@ pub(super) fn export_tree(
     session.cancel.check()?;
     let cut = cutout(&sprite, CUTOUT_VERTICES);
     session.cancel.check()?;
-    let name = tree.name();
-    let files = tree_files(settings, name);
-    let paths: Vec<PathBuf> = files.values().map(|file| settings.out.join(file)).collect();
-    let albedo = settings.out.join(&files["albedo"]);
-    let is_ready =
-        session.output.is_ready(&albedo, made_from) && paths.iter().all(|path| path.is_file());
     let record = record(settings, tree, &sprite, &cut, &files);
-    if is_ready && !is_sample {
-        return Ok(ExportedTree {
-            record,
-            sample: None,
-        });
-    }
     let images = pictures(settings, &image, &sprite, session)?;
     drop(image);
     let mut pngs = BTreeMap::new();
     for (map, image) in &images {
         session.cancel.check()?;
-        pngs.insert(*map, encode_png(image, Compression::Fast));
+        pngs.insert(*map, image.png());
     }
     let sample = Sample {
         name: name.to_owned(),
@@ -200,7 +233,10 @@ pub(super) fn export_tree(
                 .write(&settings.out.join(script), text.as_bytes())?;
         }
         let png = sample.pngs["albedo"].clone();
-        session.output.write_item(&albedo, png, made_from)?;
+        let note = note(&record);
+        session
+            .output
+            .write_noted_item(&albedo, png, &note, made_from)?;
     }
     Ok(ExportedTree {
         record,
@@ -214,13 +250,13 @@ fn pictures(
     image: &Image<Straight>,
     sprite: &Sprite,
     session: &Session<'_>,
-) -> Result<Vec<(&'static str, Image<Straight>)>, Failure> {
-    let mut pictures = vec![("albedo", sprite.image.clone())];
+) -> Result<Vec<(&'static str, Picture)>, Failure> {
+    let mut pictures = vec![("albedo", Picture::Color(sprite.image.clone()))];
     if !settings.maps.is_empty() {
         let maps = tree_maps(image, session.cancel)?;
         for map in &settings.maps {
             session.cancel.check()?;
-            pictures.push((map.name(), sprite.map(&map.of(&maps))));
+            pictures.push((map.name(), map.of(&maps, sprite)));
         }
     }
     Ok(pictures)
@@ -230,7 +266,7 @@ fn pictures(
 fn write_textures(
     settings: &ExportSettings,
     files: &BTreeMap<String, String>,
-    images: &[(&'static str, Image<Straight>)],
+    images: &[(&'static str, Picture)],
     sample: &Sample,
     session: &Session<'_>,
 ) -> Result<(), Failure> {
@@ -240,9 +276,7 @@ fn write_textures(
             let path = settings.out.join(file);
             match &loose {
                 None => session.output.write(&path, &sample.pngs[map])?,
-                Some(image) => session
-                    .output
-                    .write(&path, &encode_png(image, Compression::Fast))?,
+                Some(picture) => session.output.write(&path, &picture.png())?,
             }
         }
         let image = loose.as_ref().unwrap_or(image);
@@ -253,22 +287,81 @@ fn write_textures(
         if dds.is_none() && ktx2.is_none() {
             continue;
         }
+        let texels = image.texels();
         let levels = match *map {
-            "albedo" => mips(image, &[], session.cancel)?,
-            "normal" => normal_mips(image, session.cancel)?,
-            _ => data_mips(image, session.cancel)?,
+            "albedo" => mips(&texels, &[], session.cancel)?,
+            "normal" => normal_mips(&texels, session.cancel)?,
+            _ => data_mips(&texels, session.cancel)?,
         };
         let srgb = *map == "albedo";
-        if let Some(file) = dds {
-            let bytes = encode_dds(&levels, settings.blocks, srgb, session.cancel)?;
-            session.output.write(&settings.out.join(file), &bytes)?;
-        }
-        if let Some(file) = ktx2 {
-            let bytes = encode_ktx2(&levels, srgb, session.cancel)?;
+        let forms = [
+            (dds.map(String::as_str), TextureForm::Dds),
+            (ktx2.map(String::as_str), TextureForm::Ktx2),
+        ];
+        let forms = forms
+            .iter()
+            .filter_map(|(file, form)| Some(((*file)?, *form)));
+        let textures = encoded_textures(settings, &levels, srgb, forms.collect(), session)?;
+        for (file, bytes) in textures {
             session.output.write(&settings.out.join(file), &bytes)?;
         }
     }
     Ok(())
+}
+
+/// The mip chain `levels` as files of several forms; blocks that several of them hold are encoded
+/// once.
+pub(super) fn encoded_textures<N>(
+    settings: &ExportSettings,
+    levels: &[Image<Straight>],
+    srgb: bool,
+    forms: Vec<(N, TextureForm)>,
+    session: &Session<'_>,
+) -> Result<Vec<(N, Vec<u8>)>, Failure> {
+    let mut ready: Vec<CompressedLevels> = Vec::new();
+    let mut out = Vec::new();
+    for (name, form) in forms {
+        let format = match form {
+            TextureForm::Png => continue,
+            TextureForm::Dds => settings.blocks,
+            TextureForm::Ktx2 => BlockFormat::Bc7,
+        };
+        let at = match ready.iter().position(|blocks| blocks.format() == format) {
+            Some(at) => at,
+            None => {
+                ready.push(CompressedLevels::of(levels, format, session.cancel)?);
+                ready.len() - 1
+            }
+        };
+        let bytes = match form {
+            TextureForm::Ktx2 => encode_ktx2(&ready[at], srgb, session.cancel)?,
+            _ => encode_dds(&ready[at], srgb),
+        };
+        out.push((name, bytes));
+    }
+    Ok(out)
+}
+
+/// What is kept of a tree's record in its picture: all that would have to be measured again. ASCII.
+fn note(record: &PresetTree) -> String {
+    let measured = PresetTree {
+        name: String::new(),
+        files: BTreeMap::new(),
+        recipe: None,
+        ..record.clone()
+    };
+    serde_json::to_string(&measured).unwrap_or_default()
+}
+
+/// The record of `tree` with what [`note`] kept of it.
+fn recorded(tree: &TreeRecord, files: &BTreeMap<String, String>, note: &str) -> Option<PresetTree> {
+    let measured: PresetTree = serde_json::from_str(note).ok()?;
+    Some(PresetTree {
+        name: tree.name().to_owned(),
+        files: files.clone(),
+        recipe: serde_json::to_value(tree).ok(),
+        ..measured
+    })
 }
 
 fn record(
@@ -326,18 +419,20 @@ impl ExportSettings {
     }
 
     /// The picture of a loose file where it differs from that inside models.
-    fn loose(&self, map: &str, image: &Image<Straight>) -> Option<Image<Straight>> {
+    fn loose(&self, map: &str, picture: &Picture) -> Option<Picture> {
         /// Roughness of leaves, for packed maps.
         const ROUGHNESS: u8 = 230;
-        match (self.preset.style(), map) {
-            (crate::export::TextureStyle::Unreal, "normal") => {
-                Some(image.map(|p| Straight([p.0[0], 255 - p.0[1], p.0[2], p.0[3]])))
-            }
-            (crate::export::TextureStyle::Unreal, "ao") => {
-                Some(image.map(|p| Straight([p.0[0], ROUGHNESS, 0, 255])))
-            }
-            _ => None,
+        if self.preset.style() != TextureStyle::Unreal {
+            return None;
         }
+        let image = match (map, picture) {
+            ("normal", Picture::Opaque(image)) => {
+                image.map(|p| Straight([p.0[0], 255 - p.0[1], p.0[2], 255]))
+            }
+            ("ao", Picture::Grey(image)) => image.map(|&v| Straight([v, ROUGHNESS, 0, 255])),
+            _ => return None,
+        };
+        Some(Picture::Opaque(image))
     }
 }
 

@@ -89,6 +89,30 @@ impl Output {
                 .is_ok_and(|bytes| stamp::is_intact(&bytes, recipe))
     }
 
+    /// The note in `path`, if the file can stay (see [`Output::is_ready`]) and holds one.
+    pub(super) fn ready_note(&self, path: &Path, recipe: Digest) -> Option<String> {
+        if self.policy != Policy::Resume {
+            return None;
+        }
+        let bytes = read_limited(path, LARGEST_KEPT_BYTES).ok()?;
+        let is_ready = stamp::is_intact(&bytes, recipe);
+        stamp::note(&bytes).filter(|_| is_ready).map(str::to_owned)
+    }
+
+    /// [`Output::write_item`] with a note of ASCII letters in the file, if it is a PNG.
+    ///
+    /// # Errors
+    /// As [`Output::write_item`].
+    pub(super) fn write_noted_item(
+        &self,
+        path: &Path,
+        bytes: Vec<u8>,
+        note: &str,
+        recipe: Digest,
+    ) -> Result<(), Failure> {
+        self.write_item(path, stamp::noted(bytes, note), recipe)
+    }
+
     /// Writes an item of a job, atomically; a PNG file carries its `recipe`, see [`recipe`].
     ///
     /// # Errors

@@ -1,7 +1,7 @@
 //! What a PNG file was made from, written into the file.
 //!
 //! A `tEXt` chunk right behind the header holds two digests: of the recipe (inputs, settings,
-//! version) and of the file as it was before the chunk. The first tells whether the file is what
+//! version) and of the file as it was before the chunk (and, behind it, a note if there is one). The first tells whether the file is what
 //! would be made, the second whether it is whole and untouched. Files of other formats are left as
 //! they are and so count as never made: they are made again, which costs time but is always right.
 
@@ -14,6 +14,8 @@ const BEHIND_HEADER: usize = 8 + 12 + 13;
 
 const KEYWORD: &[u8] = b"boscage-recipe\0";
 
+const NOTE: &[u8] = b"boscage-note\0";
+
 /// Bytes of the chunk's content: the keyword, and two digests in hexadecimal with a space between.
 const CONTENT_BYTES: usize = KEYWORD.len() + 64 + 1 + 64;
 
@@ -22,7 +24,7 @@ const CHUNK_BYTES: usize = CONTENT_BYTES + 12;
 
 /// `bytes` with `recipe` and its own digest written into it, if it is a PNG file.
 pub(super) fn stamped(mut bytes: Vec<u8>, recipe: Digest) -> Vec<u8> {
-    if bytes.starts_with(PNG_MAGIC) && bytes.len() > BEHIND_HEADER {
+    if is_png(&bytes) {
         let chunk = chunk(recipe, Digest::of(&bytes));
         bytes.splice(BEHIND_HEADER..BEHIND_HEADER, chunk);
     }
@@ -39,11 +41,39 @@ pub(super) fn is_intact(bytes: &[u8], recipe: Digest) -> bool {
     found == chunk(recipe, Digest::of(&original))
 }
 
+/// `bytes` with `note`, a text of ASCII letters, written into it, if it is a PNG file. To be done
+/// before [`stamped`], whose digest covers it.
+pub(super) fn noted(mut bytes: Vec<u8>, note: &str) -> Vec<u8> {
+    if is_png(&bytes) {
+        let chunk = text_chunk(NOTE, note);
+        bytes.splice(BEHIND_HEADER..BEHIND_HEADER, chunk);
+    }
+    bytes
+}
+
+/// What [`noted`] and then [`stamped`] wrote into `bytes`.
+pub(super) fn note(bytes: &[u8]) -> Option<&str> {
+    let chunk = bytes.get(BEHIND_HEADER + CHUNK_BYTES..)?;
+    let (length, chunk) = chunk.split_at_checked(4)?;
+    let length = u32::from_be_bytes(length.try_into().ok()?) as usize;
+    let content = chunk.strip_prefix(b"tEXt")?.get(..length)?;
+    std::str::from_utf8(content.strip_prefix(NOTE)?).ok()
+}
+
+fn is_png(bytes: &[u8]) -> bool {
+    bytes.starts_with(PNG_MAGIC) && bytes.len() > BEHIND_HEADER
+}
+
 fn chunk(recipe: Digest, content: Digest) -> Vec<u8> {
-    let mut chunk = (CONTENT_BYTES as u32).to_be_bytes().to_vec();
+    text_chunk(KEYWORD, &format!("{recipe} {content}"))
+}
+
+fn text_chunk(keyword: &[u8], text: &str) -> Vec<u8> {
+    let length = keyword.len() + text.len();
+    let mut chunk = (length as u32).to_be_bytes().to_vec();
     chunk.extend(b"tEXt");
-    chunk.extend(KEYWORD);
-    chunk.extend(format!("{recipe} {content}").bytes());
+    chunk.extend(keyword);
+    chunk.extend(text.bytes());
     let checksum = crc32(&chunk[4..]);
     chunk.extend(checksum.to_be_bytes());
     chunk
@@ -68,6 +98,21 @@ mod tests {
     fn the_checksum_is_that_of_png() {
         // The end of every PNG file.
         assert_eq!(crc32(b"IEND"), 0xae42_6082);
+    }
+
+    #[test]
+    fn a_note_is_read_back_from_a_stamped_picture_that_still_opens() {
+        let png = encode_grey_png(&Image::filled(5, 4, 128u8), Compression::Fast);
+        let recipe = Digest::of(b"recipe");
+        let file = stamped(noted(png.clone(), "{\"a\":1}"), recipe);
+        assert!(is_intact(&file, recipe));
+        assert_eq!(note(&file), Some("{\"a\":1}"));
+        assert!(read_image_from_memory(&file, Path::new("a.png"), ReadLimits::default()).is_ok());
+        assert_eq!(note(&stamped(png, recipe)), None);
+        for at in 0..file.len() {
+            // Any bytes: no panic.
+            note(&file[..at]);
+        }
     }
 
     #[test]

@@ -22,7 +22,12 @@ use rayon::prelude::*;
 /// ```
 pub fn bled(image: &Image<Straight>) -> Image<Straight> {
     let alpha = image.map(|pixel| pixel.alpha());
-    let mut out = bled_from(image, &alpha);
+    bled_with(image, &Nearest::of(&alpha))
+}
+
+/// [`bled`] with the nearest texels at hand.
+pub(super) fn bled_with(image: &Image<Straight>, nearest: &Nearest) -> Image<Straight> {
+    let mut out = nearest.continued(image);
     for (out, pixel) in out.pixels_mut().iter_mut().zip(image.pixels()) {
         out.0[3] = pixel.alpha();
     }
@@ -35,18 +40,27 @@ pub fn bled(image: &Image<Straight>) -> Image<Straight> {
 /// # Panics
 /// When the two have different sizes.
 pub fn bled_from(map: &Image<Straight>, alpha: &Image<u8>) -> Image<Straight> {
-    assert_eq!(
-        (map.width(), map.height()),
-        (alpha.width(), alpha.height()),
-        "a map is as large as its picture"
-    );
-    let nearest_rows = nearest_rows(alpha);
-    let width = map.width() as usize;
-    let mut out = map.clone();
-    out.pixels_mut()
-        .par_chunks_mut(width)
-        .enumerate()
-        .for_each(|(y, row)| {
+    Nearest::of(alpha).continued(map)
+}
+
+/// Where each clear texel of a picture takes its values from: found once, for all maps of it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Nearest {
+    width: u32,
+    height: u32,
+    /// For each texel the place of the nearest one above 0 in the list of texels, its own if there
+    /// is none.
+    places: Vec<u32>,
+}
+
+impl Nearest {
+    /// The nearest texels where `alpha` is above 0.
+    pub(super) fn of(alpha: &Image<u8>) -> Self {
+        let nearest_rows = nearest_rows(alpha);
+        let width = alpha.width() as usize;
+        let mut places: Vec<u32> = (0..alpha.pixels().len() as u32).collect();
+        let each = places.par_chunks_mut(width).enumerate();
+        each.for_each(|(y, places)| {
             if alpha.row(y as u32).iter().all(|&alpha| alpha > 0) {
                 return;
             }
@@ -54,12 +68,31 @@ pub fn bled_from(map: &Image<Straight>, alpha: &Image<u8>) -> Image<Straight> {
             let Some(columns) = nearest_columns(rows, y) else {
                 return;
             };
-            for (x, pixel) in row.iter_mut().enumerate() {
-                let column = columns[x];
-                *pixel = map.at(column, rows[column as usize]);
+            for (place, column) in places.iter_mut().zip(columns) {
+                *place = rows[column as usize] * width as u32 + column;
             }
         });
-    out
+        Self {
+            width: alpha.width(),
+            height: alpha.height(),
+            places,
+        }
+    }
+
+    /// `map` continued under the clear texels.
+    ///
+    /// # Panics
+    /// When `map` is not as large as the picture was.
+    pub(super) fn continued<P: Copy>(&self, map: &Image<P>) -> Image<P> {
+        assert_eq!(
+            (map.width(), map.height()),
+            (self.width, self.height),
+            "a map is as large as its picture"
+        );
+        let texels = map.pixels();
+        let nearest = self.places.iter().map(|&place| texels[place as usize]);
+        Image::from_pixels(self.width, self.height, nearest.collect())
+    }
 }
 
 /// Where a column has no texel above 0.

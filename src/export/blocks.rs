@@ -18,6 +18,46 @@ pub enum BlockFormat {
     Bc7,
 }
 
+/// All mip levels of a texture as blocks: encoded once, for all files that hold them.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct CompressedLevels {
+    pub(super) format: BlockFormat,
+    /// Width and height of the first level, in texels.
+    pub(super) size: [u32; 2],
+    /// Blocks of each level, row by row, the largest level first.
+    pub(super) levels: Vec<Vec<u8>>,
+}
+
+impl CompressedLevels {
+    /// The blocks of the mip chain `levels`.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    ///
+    /// # Panics
+    /// When there is no level.
+    pub fn of(
+        levels: &[Image<Straight>],
+        format: BlockFormat,
+        cancel: &Cancel,
+    ) -> Result<Self, Cancelled> {
+        let blocks = levels
+            .iter()
+            .map(|level| compressed(level, format, cancel))
+            .collect::<Result<_, Cancelled>>()?;
+        Ok(Self {
+            format,
+            size: [levels[0].width(), levels[0].height()],
+            levels: blocks,
+        })
+    }
+
+    /// Of which blocks.
+    pub fn format(&self) -> BlockFormat {
+        self.format
+    }
+}
+
 /// Rows of blocks between two looks at the cancel flag.
 const ROWS_AT_ONCE: u32 = 4;
 

@@ -1,4 +1,4 @@
-//! KTX2 textures, each level packed by Zstandard: pictures as BC7 blocks with all mip levels, and
+//! KTX2 textures, each level packed by Zstandard: pictures as BC7 (or BC3) blocks with all mip levels, and
 //! cubemaps of colours (8-bit sRGB, all mip levels) and of radii (32-bit floats, one level).
 //!
 //! Cubemaps are not in blocks, so that web pages and phones read them as well, and radii exactly.
@@ -12,7 +12,7 @@
 //!
 //! Rows run down and columns to the right (`KTXorientation` `rd`); alpha is straight.
 
-use super::blocks::{BlockFormat, compressed};
+use super::blocks::{BlockFormat, CompressedLevels};
 use super::mips::data_mips;
 use crate::base::{Cancel, Cancelled};
 use crate::raster::{Cubemap, Image, Straight};
@@ -20,35 +20,33 @@ use ktx2::{Format, Header, Index, LevelIndex, SupercompressionScheme, dfd};
 use rayon::prelude::*;
 use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 
-/// The mip chain `levels` as a KTX2 file; `srgb` says whether its values are colours.
+/// `texture` as a KTX2 file; `srgb` says whether its values are colours.
 ///
 /// # Errors
 /// [`Cancelled`].
-///
-/// # Panics
-/// When there is no level.
 pub fn encode_ktx2(
-    levels: &[Image<Straight>],
+    texture: &CompressedLevels,
     srgb: bool,
     cancel: &Cancel,
 ) -> Result<Vec<u8>, Cancelled> {
+    let levels = &texture.levels;
     let packed: Vec<(u64, Vec<u8>)> = levels
         .par_iter()
-        .map(|level| {
-            let blocks = compressed(level, BlockFormat::Bc7, cancel)?;
+        .map(|blocks| {
             cancel.check()?;
-            Ok(zstd(&blocks))
+            Ok(zstd(blocks))
         })
         .collect::<Result<_, Cancelled>>()?;
-    let format = if srgb {
-        Format::BC7_SRGB_BLOCK
-    } else {
-        Format::BC7_UNORM_BLOCK
+    let format = match (texture.format, srgb) {
+        (BlockFormat::Bc3, false) => Format::BC3_UNORM_BLOCK,
+        (BlockFormat::Bc3, true) => Format::BC3_SRGB_BLOCK,
+        (BlockFormat::Bc7, false) => Format::BC7_UNORM_BLOCK,
+        (BlockFormat::Bc7, true) => Format::BC7_SRGB_BLOCK,
     };
     let texture = Texture {
         format,
         type_size: 1,
-        size: [levels[0].width(), levels[0].height()],
+        size: texture.size,
         faces: 1,
     };
     Ok(written(&texture, &packed))
@@ -183,6 +181,7 @@ fn keys() -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::raster::{Image, Straight};
     use block_compression::decode::decompress_blocks_as_rgba8;
     use block_compression::{BC7Settings, CompressionVariant};
     use std::io::Read as _;
@@ -192,7 +191,8 @@ mod tests {
         let pixels = (0..16 * 32).map(|i| Straight([(i / 4) as u8, 90, 30, 255 - (i / 8) as u8]));
         let image = Image::from_pixels(16, 32, pixels.collect());
         let levels = super::super::data_mips(&image, &Cancel::new()).unwrap();
-        let file = encode_ktx2(&levels, true, &Cancel::new()).unwrap();
+        let texture = CompressedLevels::of(&levels, BlockFormat::Bc7, &Cancel::new()).unwrap();
+        let file = encode_ktx2(&texture, true, &Cancel::new()).unwrap();
         let reader = ktx2::Reader::new(&file).unwrap();
         let header = reader.header();
         assert_eq!(header.format, Some(Format::BC7_SRGB_BLOCK));

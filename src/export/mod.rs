@@ -40,7 +40,7 @@ mod tree_model;
 pub use atlas::{AtlasLayout, atlas};
 pub use atlas_json::{AtlasSprite, atlas_json_array, atlas_json_hash};
 pub use bleed::{bled, bled_from};
-pub use blocks::{BlockFormat, compressed};
+pub use blocks::{BlockFormat, CompressedLevels, compressed};
 pub use cards::{CardMesh, Flat, crossed};
 pub use crown_folder::{
     CROWN_RECORD, CrownFolderError, CrownRecord, crown_file_names, crown_files, crown_from_files,

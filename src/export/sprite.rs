@@ -1,7 +1,7 @@
 //! A picture of a tree, made ready for an engine: trimmed, on a canvas whose sides suit textures,
 //! colour bled under clear texels, with the place of its foot and the size of a pixel in metres.
 
-use super::bleed::bled;
+use super::bleed::{Nearest, bled_with};
 use crate::geometry::Point;
 use crate::raster::{Image, Rect, Straight, opaque_bounds};
 
@@ -58,6 +58,8 @@ pub struct Sprite {
     pub pivot: Point,
     /// Side of a pixel.
     pub metres_per_pixel: f64,
+    /// Where clear texels of the canvas take their values from.
+    nearest: Nearest,
 }
 
 impl Sprite {
@@ -98,13 +100,15 @@ impl Sprite {
             - Point::new(f64::from(trim.x), f64::from(trim.y));
         let mut canvas = Image::filled(width, height, Straight([0; 4]));
         blit(&mut canvas, frame, image, trim);
+        let nearest = Nearest::of(&canvas.map(|pixel| pixel.alpha()));
         Ok(Self {
-            image: bled(&canvas),
+            image: bled_with(&canvas, &nearest),
             source: [image.width(), image.height()],
             trim,
             frame,
             pivot: Point::new(foot.x + 0.5, ground) + offset,
             metres_per_pixel: settings.height_m / height_px,
+            nearest,
         })
     }
 
@@ -112,15 +116,15 @@ impl Sprite {
     ///
     /// # Panics
     /// When `map` is not as large as the source picture was.
-    pub fn map(&self, map: &Image<Straight>) -> Image<Straight> {
+    pub fn map<P: Copy + Default>(&self, map: &Image<P>) -> Image<P> {
         assert_eq!(
             [map.width(), map.height()],
             self.source,
             "a map fits its picture"
         );
-        let mut canvas = Image::filled(self.image.width(), self.image.height(), Straight([0; 4]));
+        let mut canvas = Image::filled(self.image.width(), self.image.height(), P::default());
         blit(&mut canvas, self.frame, map, self.trim);
-        super::bleed::bled_from(&canvas, &self.image.map(|p| p.alpha()))
+        self.nearest.continued(&canvas)
     }
 
     /// Position in metres, foot at the origin, +Y up, of the canvas position `at`.
@@ -157,7 +161,7 @@ impl Sprite {
     }
 }
 
-fn blit(canvas: &mut Image<Straight>, frame: Rect, image: &Image<Straight>, from: Rect) {
+fn blit<P: Copy>(canvas: &mut Image<P>, frame: Rect, image: &Image<P>, from: Rect) {
     for y in 0..frame.height {
         let row = &image.row(from.y + y)[from.x as usize..(from.x + from.width) as usize];
         canvas.row_mut(frame.y + y)[frame.x as usize..(frame.x + frame.width) as usize]

@@ -35,4 +35,4 @@ pub use read::{
 };
 pub use rect::Rect;
 pub use resample::resized;
-pub use write::{Compression, encode_grey_png, encode_png};
+pub use write::{Compression, encode_grey_png, encode_opaque_png, encode_png};

@@ -34,6 +34,18 @@ pub fn encode_png(image: &Image<Straight>, compression: Compression) -> Vec<u8> 
     )
 }
 
+/// `image` as the bytes of an RGB PNG file, marked as sRGB; its alpha is left out.
+pub fn encode_opaque_png(image: &Image<Straight>, compression: Compression) -> Vec<u8> {
+    let colors = image.pixels().iter().flat_map(|p| [p.0[0], p.0[1], p.0[2]]);
+    encoded(
+        image.width(),
+        image.height(),
+        png::ColorType::Rgb,
+        Cow::Owned(colors.collect()),
+        compression,
+    )
+}
+
 /// `image` as the bytes of an 8-bit grey PNG file.
 pub fn encode_grey_png(image: &Image<u8>, compression: Compression) -> Vec<u8> {
     let bytes = Cow::Borrowed(image.pixels());
@@ -83,6 +95,10 @@ mod tests {
                 back.as_raw().as_slice(),
                 bytemuck::cast_slice::<_, u8>(image.pixels())
             );
+            let file = encode_opaque_png(&image, compression);
+            let back = image::load_from_memory(&file).unwrap().into_rgb8();
+            let colors = back.pixels().zip(image.pixels());
+            assert!(colors.into_iter().all(|(b, p)| b.0 == p.0[..3]));
         }
     }
 }

@@ -30,7 +30,7 @@ pub struct MeshId(usize);
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct NodeId(usize);
 
-/// A cut-out material: alpha test at 0.5, both sides drawn, rough, no metal.
+/// A cut-out material: alpha test at 0.5, one side drawn (cards have two), rough, no metal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Material<'a> {
     /// Its name.
@@ -113,7 +113,6 @@ impl Glb {
             },
             "alphaMode": "MASK",
             "alphaCutoff": 0.5,
-            "doubleSided": true,
         });
         if let Some(normal) = normal {
             value["normalTexture"] = json!({"index": normal});

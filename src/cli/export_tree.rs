@@ -131,6 +131,7 @@ impl Sample {
                 normal: png("normal"),
                 occlusion: png("ao"),
                 is_solid: false,
+                is_double_sided: false,
             },
             lods,
             grouped: settings.preset.groups_lods(),

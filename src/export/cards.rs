@@ -1,8 +1,14 @@
 //! Cards: flat pieces of a sprite stood upright, alone or crossed about the trunk.
 //!
 //! Frame: glTF's. +Y up, metres, the foot at the origin, the first card in the plane z = 0 facing
-//! +Z. Card i of n is turned by i · 180°/n about +Y. Normals are those of the cards; tangents point
-//! along the picture's x, bitangents up, so a normal map with Y+ lies as it was painted.
+//! +Z. Card i of n is turned by i · 180°/n about +Y.
+//!
+//! Each card has two sides of its own, back to back, instead of a material that draws both: readers
+//! turn the normals of such a material round behind (glTF asks for it), and a crown whose top is lit
+//! from the front would be lit from below behind. Normals are those of the sides, bent upwards: the
+//! cards then take up much the same light where they cross, and there is no dark seam along the
+//! trunk where one is seen at a grazing angle. Tangents point along the picture's x, so a normal map
+//! with Y+ lies as it was painted, in front and (mirrored) behind.
 //!
 //! Wind weights follow Sousa (*Vegetation procedural animation and shading in Crysis*, GPU Gems 3,
 //! ch. 16): red is how freely an edge flutters (0 at the trunk's axis, 1 at the outermost leaf),
@@ -11,6 +17,14 @@
 
 use super::sprite::Sprite;
 use crate::geometry::Point;
+
+/// How far normals are bent: this much up for 1 outwards, 56°. Bent less, crossed cards show their
+/// edges; bent more, light from the side no longer shapes the tree.
+const LIFT: f64 = 1.5;
+
+/// Distance of a side from the middle of its card, as a share of the tree's height: a ray tracer,
+/// which draws sides that face away too, must be able to tell which comes first.
+const SIDE_GAP: f64 = 1e-4;
 
 /// A flat piece of a sprite, in pixels of its canvas.
 #[derive(Debug, Clone, PartialEq)]
@@ -102,33 +116,49 @@ pub struct CardMesh {
     pub indices: Vec<u32>,
 }
 
-/// `planes` copies of `flat`, crossed about the trunk; one is a plain billboard.
+/// `planes` copies of `flat`, crossed about the trunk; one is a plain billboard. The sides of a card
+/// follow one another, the front first.
 pub fn crossed(sprite: &Sprite, flat: &Flat, planes: u32) -> CardMesh {
     let mut mesh = CardMesh::default();
+    for plane in 0..planes {
+        let share = f64::from(plane) / f64::from(planes);
+        for side in [1.0, -1.0] {
+            add_side(&mut mesh, sprite, flat, share, side);
+        }
+    }
+    mesh
+}
+
+/// Adds one side of the card turned by `share` · 180°: `side` is 1 for the front, −1 for the back.
+fn add_side(mesh: &mut CardMesh, sprite: &Sprite, flat: &Flat, share: f64, side: f64) {
     let [top_left, bottom_right] = sprite.corners().map(|corner| sprite.metres(corner));
     let reach = top_left.x.abs().max(bottom_right.x.abs()).max(1e-9);
     let top = top_left.y.max(1e-9);
-    for plane in 0..planes {
-        let share = f64::from(plane) / f64::from(planes);
-        let (sin, cos) = quarter_exact(share);
-        let first = mesh.positions.len() as u32;
-        for &vertex in &flat.vertices {
-            let at = sprite.metres(vertex);
-            let uv = sprite.uv(vertex);
-            let height = (at.y / top).clamp(0.0, 1.0);
-            mesh.positions
-                .push([at.x * cos, at.y, -at.x * sin].map(|v| v as f32));
-            mesh.normals.push([sin, 0.0, cos].map(|v| v as f32));
-            mesh.tangents.push([cos, 0.0, -sin, 1.0].map(|v| v as f32));
-            mesh.uvs.push([uv.x as f32, uv.y as f32]);
-            let edge = (at.x.abs() / reach).min(1.0);
-            mesh.wind
-                .push([edge, share, height * height].map(|v| v as f32));
-        }
-        let corners = flat.triangles.iter().flatten();
+    let (sin, cos) = quarter_exact(share);
+    let (out_x, out_z) = (side * sin, side * cos);
+    let gap = SIDE_GAP * top;
+    let length = (1.0 + LIFT * LIFT).sqrt();
+    let normal = [out_x, LIFT, out_z].map(|v| (v / length) as f32);
+    // Behind, the picture is mirrored, and so is the frame of its normal map.
+    let tangent = [cos, 0.0, -sin, side].map(|v| v as f32);
+    let first = mesh.positions.len() as u32;
+    for &vertex in &flat.vertices {
+        let at = sprite.metres(vertex);
+        let uv = sprite.uv(vertex);
+        let height = (at.y / top).clamp(0.0, 1.0);
+        let position = [at.x * cos + gap * out_x, at.y, gap * out_z - at.x * sin];
+        mesh.positions.push(position.map(|v| v as f32));
+        mesh.normals.push(normal);
+        mesh.tangents.push(tangent);
+        mesh.uvs.push([uv.x as f32, uv.y as f32]);
+        let edge = (at.x.abs() / reach).min(1.0);
+        mesh.wind
+            .push([edge, share, height * height].map(|v| v as f32));
+    }
+    for &[a, b, c] in &flat.triangles {
+        let corners = if side > 0.0 { [a, b, c] } else { [a, c, b] };
         mesh.indices.extend(corners.map(|corner| first + corner));
     }
-    mesh
 }
 
 /// Sine and cosine of `share` · 180°, without rounding errors at 90°.
@@ -148,25 +178,36 @@ mod tests {
     use glam::Vec3;
 
     #[test]
-    fn crossed_cards_stand_on_the_ground_and_face_outwards() {
+    fn crossed_cards_stand_on_the_ground_and_face_both_ways() {
         let image = Image::filled(20, 40, Straight([1, 2, 3, 255]));
         let foot = Point::new(9.5, 39.0);
         let sprite = Sprite::new(&image, foot, SpriteSettings::default()).unwrap();
         for planes in 1..=4 {
             let mesh = crossed(&sprite, &Flat::rectangle(sprite.corners()), planes);
-            assert_eq!(mesh.positions.len(), 4 * planes as usize);
+            assert_eq!(mesh.positions.len(), 8 * planes as usize);
             let heights = mesh.positions.iter().map(|p| p[1]);
             assert_eq!(heights.clone().fold(f32::MAX, f32::min), 0.0);
             assert!((heights.fold(0.0, f32::max) - 10.0).abs() < 1e-5);
+            let mut facing = Vec3::ZERO;
             for corners in mesh.indices.chunks(3) {
                 let [a, b, c] = [0, 1, 2].map(|i| Vec3::from(mesh.positions[corners[i] as usize]));
                 let face = (b - a).cross(c - a).normalize();
+                facing += face;
                 let normal = Vec3::from(mesh.normals[corners[0] as usize]);
-                assert!(face.dot(normal) > 0.999, "{face} {normal}");
-                let tangent = mesh.tangents[corners[0] as usize];
-                let bitangent = normal.cross(Vec3::new(tangent[0], tangent[1], tangent[2]));
-                assert!((bitangent * tangent[3] - Vec3::Y).length() < 1e-6);
+                let wanted = (face + LIFT as f32 * Vec3::Y).normalize();
+                assert!((normal - wanted).length() < 1e-6, "{face} {normal}");
+                let [x, y, z, sign] = mesh.tangents[corners[0] as usize];
+                let tangent = Vec3::new(x, y, z);
+                assert!(tangent.dot(normal).abs() < 1e-6);
+                // To the right of the picture is along the tangent, up is along the bitangent.
+                let uv = |i: usize| mesh.uvs[corners[i] as usize];
+                for (p, q, from, to) in [(a, b, uv(0), uv(1)), (b, c, uv(1), uv(2))] {
+                    let along = (q - p).dot(tangent);
+                    assert!(along * (to[0] - from[0]) >= 0.0);
+                }
+                assert!((normal.cross(tangent) * sign).y > 0.5);
             }
+            assert!(facing.length() < 1e-5, "each side has another behind it");
             for (uv, position) in mesh.uvs.iter().zip(&mesh.positions) {
                 assert_eq!(uv[1] > 0.5, position[1] < 5.0, "top is v = 0");
             }

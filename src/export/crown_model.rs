@@ -204,6 +204,7 @@ impl CrownModel {
                 normal: None,
                 occlusion: None,
                 is_solid: material.is_solid,
+                is_double_sided: !material.is_solid,
             });
         }
         let mut nodes: Vec<NodeId> = Vec::new();

@@ -41,9 +41,11 @@ pub struct Material<'a> {
     pub normal: Option<&'a [u8]>,
     /// Ambient occlusion in its red channel, a PNG file.
     pub occlusion: Option<&'a [u8]>,
-    /// Whether alpha means nothing and only the front is drawn; otherwise the material is a cut-out:
-    /// alpha test at 0.5, both sides drawn.
+    /// Whether alpha means nothing; otherwise the material is a cut-out: alpha test at 0.5.
     pub is_solid: bool,
+    /// Whether the back is drawn too, with its normals turned round; not for meshes that have two
+    /// sides of their own.
+    pub is_double_sided: bool,
 }
 
 /// A place for a copy of a mesh.
@@ -118,6 +120,8 @@ impl Glb {
         if !material.is_solid {
             value["alphaMode"] = json!("MASK");
             value["alphaCutoff"] = json!(0.5);
+        }
+        if material.is_double_sided {
             value["doubleSided"] = json!(true);
         }
         if let Some(normal) = normal {
@@ -406,6 +410,7 @@ mod tests {
             normal: Some(&png),
             occlusion: None,
             is_solid: false,
+            is_double_sided: false,
         });
         let mesh = glb.mesh("card", &card(), material, true);
         let (fine, coarse) = (glb.node("a_LOD0", mesh), glb.node("a_LOD1", mesh));

@@ -121,6 +121,7 @@ impl TreeMaps {
         let per_pixel = surface.pixel();
         let highest = DEPTH_SHARE as f32 * longer_px;
         let leaf = LEAVES * longer_px;
+        let lights = lights(image);
         let mut normal = Image::filled(width, height, Straight([128, 128, 255, 255]));
         let mut others = vec![[0u8; 3]; normal.pixels().len()];
         let rows = normal.pixels_mut().par_chunks_mut(width as usize);
@@ -128,21 +129,23 @@ impl TreeMaps {
             .enumerate()
             .for_each(|(y, (normals, others))| {
                 let y = y as u32;
-                for x in 0..width {
-                    let [dx, dy] = surface.slope(x, y);
-                    let [lx, ly] = light_slope(image, x, y);
+                let (surface, thickness) = (surface.row(y), thickness.row(y));
+                let openness = openness.row(y);
+                for (x, &pixel) in image.row(y).iter().enumerate() {
+                    let [dx, dy] = surface.slope(x);
+                    let [lx, ly] = light_slope(&lights, x as u32, y);
                     let slope = limited([dx + leaf * lx, dy + leaf * ly]);
-                    normals[x as usize] = encoded_normal(slope);
-                    let height = surface.at(x, y) * per_pixel;
-                    let light = luma(image.at(x, y));
-                    let depth = thickness.at(x, y) * per_pixel / longer_px;
+                    normals[x] = encoded_normal(slope);
+                    let height = surface.at(x) * per_pixel;
+                    let light = luma(pixel);
+                    let depth = thickness.at(x) * per_pixel / longer_px;
                     // A quarter of the tree's width lets a third through.
                     let through = libm::expf(-4.0 * depth) * (0.35 + 0.65 * light);
                     let byte = |v: f32| (255.0 * v + 0.5).clamp(0.0, 255.0) as u8;
                     // What faces down sees the ground, not the sky.
-                    let up = f32::from(normals[x as usize].0[1]) / 127.5 - 1.0;
-                    let open = openness.at(x, y) * (1.0 - FACING_DOWN * (1.0 - up) / 2.0);
-                    others[x as usize] = [byte(height / highest), byte(open), byte(through)];
+                    let up = f32::from(normals[x].0[1]) / 127.5 - 1.0;
+                    let open = openness.at(x) * (1.0 - FACING_DOWN * (1.0 - up) / 2.0);
+                    others[x] = [byte(height / highest), byte(open), byte(through)];
                 }
             });
         let channel = |c: usize| {
@@ -274,22 +277,55 @@ fn box_mean(image: &Image<f32>, radius: u32) -> Image<f32> {
     across(&across(image))
 }
 
-/// Heights on the framed grid, to be read at pixels of the full picture.
+/// Heights on the framed grid, to be read row by row at the pixels of the full picture.
+///
+/// Between grid pixels they are a cubic B-spline, smooth in its slopes. Its weights are separable:
+/// those along a row are found once, those down once a row.
 struct Field<'a> {
     heights: &'a Image<f32>,
     /// Grid pixels for one picture pixel, across and down.
     scale: [f32; 2],
+    across: Vec<Taps>,
+    down: Vec<Taps>,
+}
+
+/// The grid pixels along one axis that a picture pixel is read from.
+#[derive(Clone, Copy)]
+struct Taps {
+    at: [u32; 4],
+    /// Their shares in the height.
+    value: [f32; 4],
+    /// Their shares in its slope along the axis.
+    slope: [f32; 4],
+}
+
+/// Those of each of `pixels` picture pixels, `scale` grid pixels apart, on a framed grid of `grid`.
+fn taps(pixels: u32, scale: f32, grid: u32) -> Vec<Taps> {
+    let tap = |pixel: u32| {
+        let place = (pixel as f32 + 0.5) * scale - 0.5 + FRAME as f32;
+        let whole = place.floor();
+        let at = |i: i64| (whole as i64 - 1 + i).clamp(0, i64::from(grid) - 1) as u32;
+        Taps {
+            at: [at(0), at(1), at(2), at(3)],
+            value: b_spline(place - whole),
+            slope: b_spline_slope(place - whole),
+        }
+    };
+    (0..pixels).map(tap).collect()
 }
 
 impl<'a> Field<'a> {
     fn of(heights: &'a Image<f32>, width: u32, height: u32) -> Self {
         let scale = |grid: u32, full: u32| (grid - 2 * FRAME) as f32 / full as f32;
+        let scale = [
+            scale(heights.width(), width),
+            scale(heights.height(), height),
+        ];
         Self {
             heights,
-            scale: [
-                scale(heights.width(), width),
-                scale(heights.height(), height),
-            ],
+            scale,
+            across: taps(width, scale[0], heights.width()),
+            down: taps(height, scale[1], heights.height()),
         }
     }
 
@@ -298,43 +334,54 @@ impl<'a> Field<'a> {
         2.0 / (self.scale[0] + self.scale[1])
     }
 
-    fn place(&self, x: u32, y: u32) -> [f32; 2] {
-        [
-            (x as f32 + 0.5) * self.scale[0] - 0.5 + FRAME as f32,
-            (y as f32 + 0.5) * self.scale[1] - 0.5 + FRAME as f32,
-        ]
-    }
-
-    /// Height at picture pixel (x, y), in grid pixels.
-    fn at(&self, x: u32, y: u32) -> f32 {
-        self.weighted(x, y, [b_spline, b_spline])
-    }
-
-    /// Slopes along x and y (down) at picture pixel (x, y): no unit.
-    fn slope(&self, x: u32, y: u32) -> [f32; 2] {
-        [
-            self.weighted(x, y, [b_spline_slope, b_spline]),
-            self.weighted(x, y, [b_spline, b_spline_slope]),
-        ]
-    }
-
-    /// Sum over 4×4 grid pixels with separable weights of the cubic B-spline: smooth in its slopes.
-    fn weighted(&self, x: u32, y: u32, weights: [fn(f32) -> [f32; 4]; 2]) -> f32 {
-        let [u, v] = self.place(x, y);
-        let (column, row) = (u.floor(), v.floor());
-        let (across, down) = (weights[0](u - column), weights[1](v - row));
-        let (width, height) = (self.heights.width() as i64, self.heights.height() as i64);
-        let mut sum = 0.0;
-        for (j, by) in down.iter().enumerate() {
-            let y = (row as i64 - 1 + j as i64).clamp(0, height - 1);
-            let line = self.heights.row(y as u32);
-            for (i, bx) in across.iter().enumerate() {
-                let x = (column as i64 - 1 + i as i64).clamp(0, width - 1);
-                sum += by * bx * line[x as usize];
-            }
+    /// Row `y` of the picture.
+    fn row(&self, y: u32) -> FieldRow<'_> {
+        let taps = &self.down[y as usize];
+        let mixed = |weights: &[f32; 4]| {
+            let [a, b, c, d] = taps.at.map(|row| self.heights.row(row));
+            let columns = a.iter().zip(b).zip(c).zip(d);
+            let sum = |(((a, b), c), d): (((&f32, &f32), &f32), &f32)| {
+                a * weights[0] + b * weights[1] + c * weights[2] + d * weights[3]
+            };
+            columns.map(sum).collect()
+        };
+        FieldRow {
+            across: &self.across,
+            value: mixed(&taps.value),
+            slope: mixed(&taps.slope),
         }
-        sum
     }
+}
+
+/// A row of the picture: one entry a grid column.
+struct FieldRow<'a> {
+    across: &'a [Taps],
+    /// Heights.
+    value: Vec<f32>,
+    /// Slopes downwards.
+    slope: Vec<f32>,
+}
+
+impl FieldRow<'_> {
+    /// Height at picture pixel `x`, in grid pixels.
+    fn at(&self, x: usize) -> f32 {
+        let taps = &self.across[x];
+        weighted(&self.value, taps.at, taps.value)
+    }
+
+    /// Slopes along x and y (down) at picture pixel `x`: no unit.
+    fn slope(&self, x: usize) -> [f32; 2] {
+        let taps = &self.across[x];
+        [
+            weighted(&self.value, taps.at, taps.slope),
+            weighted(&self.slope, taps.at, taps.value),
+        ]
+    }
+}
+
+fn weighted(values: &[f32], at: [u32; 4], weights: [f32; 4]) -> f32 {
+    let [a, b, c, d] = at.map(|i| values[i as usize]);
+    a * weights[0] + b * weights[1] + c * weights[2] + d * weights[3]
 }
 
 fn b_spline(t: f32) -> [f32; 4] {
@@ -363,19 +410,31 @@ fn luma(pixel: Straight) -> f32 {
     (0.2126 * r + 0.7152 * g + 0.0722 * b) / 255.0
 }
 
+/// Luminance of each pixel, no number where it does not show.
+fn lights(image: &Image<Straight>) -> Image<f32> {
+    image.map(|&pixel| {
+        if pixel.alpha() >= 128 {
+            luma(pixel)
+        } else {
+            f32::NAN
+        }
+    })
+}
+
 /// Slope of the luminance across a pixel, 0 where one side does not show.
-fn light_slope(image: &Image<Straight>, x: u32, y: u32) -> [f32; 2] {
-    let light = |dx: i64, dy: i64| {
-        let pixel = image.get(i64::from(x) + dx, i64::from(y) + dy)?;
-        (pixel.alpha() >= 128).then(|| luma(pixel))
+fn light_slope(lights: &Image<f32>, x: u32, y: u32) -> [f32; 2] {
+    let at = |x: u32, y: u32| {
+        let is_inside = x < lights.width() && y < lights.height();
+        if is_inside { lights.at(x, y) } else { f32::NAN }
     };
-    let between = |a: Option<f32>, b: Option<f32>| match (a, b) {
-        (Some(a), Some(b)) => (b - a) / 2.0,
-        _ => 0.0,
+    let between = |a: f32, b: f32| {
+        let slope = (b - a) / 2.0;
+        if slope.is_nan() { 0.0 } else { slope }
     };
+    // One to the left of the first wraps round to far outside.
     [
-        between(light(-1, 0), light(1, 0)),
-        between(light(0, -1), light(0, 1)),
+        between(at(x.wrapping_sub(1), y), at(x + 1, y)),
+        between(at(x, y.wrapping_sub(1)), at(x, y + 1)),
     ]
 }
 

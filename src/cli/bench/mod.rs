@@ -1,13 +1,13 @@
 //! `boscage bench`: how long the main pieces of work take here, beside what others need.
 
 mod crown;
+mod render;
 mod row;
 mod variation;
 
 use super::failure::Failure;
 use super::session::Session;
 use super::{Job, Stages};
-use crate::base::Cancel;
 use clap::{Args, ValueEnum};
 use row::Row;
 use serde_json::{Value, json};
@@ -32,15 +32,19 @@ enum Topic {
     Variation,
     /// A crown from a photograph
     Crown,
+    /// Crowns on a graphics card
+    Render,
 }
 
 impl Topic {
-    const ALL: [Self; 2] = [Self::Variation, Self::Crown];
+    const ALL: [Self; 3] = [Self::Variation, Self::Crown, Self::Render];
 
-    fn rows(self, cancel: &Cancel) -> Result<Vec<Row>, Failure> {
+    fn rows(self, session: &Session<'_>) -> Result<Vec<Row>, Failure> {
+        let cancel = session.cancel;
         match self {
             Self::Variation => variation::rows(cancel),
             Self::Crown => crown::rows(cancel),
+            Self::Render => render::rows(session),
         }
     }
 }
@@ -58,7 +62,7 @@ impl Job for Flags {
         let stage = session.progress.stage("bench", topics.len() as u64);
         let mut rows = Vec::new();
         for topic in topics {
-            rows.extend(topic.rows(session.cancel)?);
+            rows.extend(topic.rows(session)?);
             stage.advance();
         }
         drop(stage);

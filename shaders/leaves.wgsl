@@ -102,7 +102,7 @@ fn corner(@builtin(vertex_index) vertex: u32, in: Crown) -> Leaf {
     let normal_local = normal_at(direction, shape_level);
     let above = direction * reach + normal_local * (0.05 * crown.mean_radius);
     let inside = clamp(depth_share - 0.45, 0.0, 0.45) / 0.45;
-    let bright = 0.98 + 0.36 * hashed(salt ^ 3u);
+    let bright = 1.1 + 0.2 * hashed(salt ^ 3u);
     let texels = 128.0 / max(2.0 * half_side, 1.0);
     let level = min(log2(max(texels, 1.0)), f32(textureNumLevels(atlas) - 1u));
     let place = vec2((across + 1.0) * 0.5 * frame.size.x, (1.0 - upward) * 0.5 * frame.size.y);

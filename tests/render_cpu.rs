@@ -5,7 +5,9 @@
 use boscage::base::{Cancel, Progress};
 use boscage::geometry::Mesh;
 use boscage::raster::{Cubemap, Image, Straight};
-use boscage::render::{LeafSet, PreparedCrown, RenderSettings, SceneView, Shortcut, View, cpu};
+use boscage::render::{
+    LeafSet, Mode, PreparedCrown, RenderSettings, SceneView, Shortcut, View, cpu,
+};
 use boscage::scene::{Backdrop, Camera, Crown, CrownInstance, Light};
 use glam::DVec3;
 
@@ -229,6 +231,66 @@ fn an_eye_within_the_proxy_sees_the_crown() {
     near.distance_m = 3.05;
     let image = picture(&ball(), &near, &square(64, View::Picture));
     assert!(image.pixels().iter().all(|pixel| pixel.alpha() == 255));
+}
+
+/// Sums over the pixels of the smaller and of the larger alpha of two pictures.
+fn alphas(one: &Image<Straight>, other: &Image<Straight>) -> (f64, f64) {
+    let pairs = one.pixels().iter().zip(other.pixels());
+    pairs.fold((0.0, 0.0), |(both, either), (a, b)| {
+        let (a, b) = (f64::from(a.alpha()), f64::from(b.alpha()));
+        (both + a.min(b), either + a.max(b))
+    })
+}
+
+/// A tree as tall in the picture as one of 10 m is at 100 m in full HD.
+fn at_the_switch(mode: Mode) -> RenderSettings {
+    let mut settings = square(240, View::Picture);
+    settings.fineness = 2;
+    settings.mode = mode;
+    settings
+}
+
+#[test]
+fn forms_have_one_outline_where_they_change() {
+    let lumpy = lumpy();
+    for (yaw, pitch) in [(0.0, 5.0), (70.0, 20.0)] {
+        let camera = front().orbited(yaw, pitch).zoomed(1.8);
+        let relief = picture(&lumpy, &camera, &at_the_switch(Mode::Relief));
+        let leaves = picture(&lumpy, &camera, &at_the_switch(Mode::Leaves));
+        let (both, either) = alphas(&relief, &leaves);
+        assert!(both / either > 0.95, "{yaw} {pitch}: {}", both / either);
+    }
+}
+
+/// Mean difference of two pictures, in values of 255.
+fn change(one: &Image<Straight>, other: &Image<Straight>) -> f64 {
+    let pairs = one.pixels().iter().zip(other.pixels());
+    let sum: u64 = pairs
+        .flat_map(|(a, b)| a.0.iter().zip(b.0))
+        .map(|(a, b)| u64::from(a.abs_diff(b)))
+        .sum();
+    sum as f64 / (4 * one.pixels().len()) as f64
+}
+
+#[test]
+fn nothing_pops_on_the_way_through_the_switch() {
+    let lumpy = lumpy();
+    let mut settings = at_the_switch(Mode::Switched);
+    settings.size = (120, 120);
+    let begin = front().zoomed(1.8);
+    settings.switch.nearest_m = begin.distance_m * 1.2;
+    settings.switch.farthest_m = settings.switch.nearest_m;
+    settings.switch.band_m = begin.distance_m * 0.2;
+    let steps = (0..=20).map(|i| {
+        let view = begin.zoomed(1.0 + 0.02 * f64::from(i));
+        picture(&lumpy, &view, &settings)
+    });
+    let pictures: Vec<Image<Straight>> = steps.collect();
+    let changes: Vec<f64> = pictures.windows(2).map(|w| change(&w[0], &w[1])).collect();
+    // The first and the last changes are those of the tree growing smaller alone.
+    let plain = changes[0].max(changes[1]);
+    let most = changes.iter().copied().fold(0.0, f64::max);
+    assert!(most < 1.6 * plain, "{most} against {plain}: {changes:?}");
 }
 
 /// Writes what a person should look at into the folder that BOSCAGE_LOOK names.

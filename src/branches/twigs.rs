@@ -22,13 +22,13 @@ pub struct TwigTexel {
 /// Leaves of a twig, and their length, by shape: large leaves are few.
 fn habit(shape: LeafShape) -> (u32, f64) {
     match shape {
-        LeafShape::Ovate => (64, 0.17),
-        LeafShape::Round => (52, 0.17),
-        LeafShape::Lobed => (48, 0.21),
-        LeafShape::Palmate => (40, 0.23),
-        LeafShape::Lance => (96, 0.22),
-        LeafShape::Brush => (44, 0.30),
-        LeafShape::Tuft => (30, 0.34),
+        LeafShape::Ovate => (86, 0.165),
+        LeafShape::Round => (70, 0.165),
+        LeafShape::Lobed => (60, 0.20),
+        LeafShape::Palmate => (48, 0.22),
+        LeafShape::Lance => (140, 0.22),
+        LeafShape::Brush => (60, 0.30),
+        LeafShape::Tuft => (44, 0.34),
     }
 }
 
@@ -83,7 +83,7 @@ fn leaves(shape: LeafShape, random: &mut Random) -> Vec<Leaf> {
                 base: (x * out, y * out),
                 along: turn(stem + bend + side * random.between(0.4, 1.8)),
                 length: length * random.between(0.75, 1.2),
-                light: 0.66 + 0.4 * layer + random.between(-0.08, 0.08),
+                light: 0.62 + 0.38 * layer + random.between(-0.2, 0.2),
             }
         })
         .collect()

@@ -453,10 +453,10 @@ mod tests {
         assert_eq!(made.center_m, DVec3::Y);
         // Frame (1, 0) is seen from +Z, frame (0, 1) from -Z: there is only its back.
         assert!(frame_direction(settings.form, 2, 1, 0).distance(DVec3::Z) < 1e-12);
-        let (left, right) = (made.albedo.at(40, 16), made.albedo.at(56, 16));
+        let (left, right) = (made.albedo.at(43, 16), made.albedo.at(53, 16));
         assert_eq!(left, Straight([0, 255, 0, 255]));
         assert_eq!(right, Straight([255, 0, 0, 255]));
-        assert_eq!(made.normal_depth.at(56, 16), Straight([128, 128, 255, 128]));
+        assert_eq!(made.normal_depth.at(53, 16), Straight([128, 128, 255, 128]));
         assert_eq!(made.albedo.at(16, 48).alpha(), 0);
         // The card spans 2 m of the frame's 2 · half_m.
         let row = (32..64).filter(|&x| made.albedo.at(x, 16).alpha() > 127);

@@ -236,6 +236,21 @@ pub(crate) fn leaf_freedom(radius_pixels: f32) -> f32 {
     ((radius_pixels - KEPT_RADIUS) / (FREE_RADIUS - KEPT_RADIUS)).clamp(0.0, 1.0)
 }
 
+/// The most leaves that the leaf pass will draw of a crown: what its shader counts, a little more,
+/// and rounded up to a power of two.
+pub(crate) fn leaf_bound(
+    view: &SceneView<'_>,
+    settings: &RenderSettings,
+    (crown, numbers): &(usize, InstanceNumbers),
+) -> u32 {
+    let pixels = radius_pixels(view, settings, &view.crowns[*crown], numbers);
+    let wanted = 1.01 * pixels * settings.leaves.leaves_a_pixel + 1.0;
+    let most = settings.leaves.most.min(view.leaves.points.len() as u32);
+    (wanted.max(settings.leaves.least as f32) as u32)
+        .checked_next_power_of_two()
+        .map_or(most, |bound| bound.min(most))
+}
+
 /// The radius of a crown on the screen, pixels.
 fn radius_pixels(
     view: &SceneView<'_>,

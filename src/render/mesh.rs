@@ -207,7 +207,8 @@ mod tests {
     #[test]
     fn heat_goes_from_its_first_colour_to_its_last() {
         assert_eq!(heat(0.0), [0.04, 0.01, 0.15]);
-        assert_eq!(heat(1.0), [0.98, 0.80, 0.02]);
+        let end = heat(1.0).map(|channel| (channel * 100.0).round());
+        assert_eq!(end, [98.0, 80.0, 2.0]);
     }
 
     #[test]

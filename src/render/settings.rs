@@ -159,8 +159,8 @@ pub struct LeafSettings {
     /// Most leaves of a crown.
     pub most: u32,
     /// Half the side of a leaf's picture in radii of the crown, for a single leaf; with n leaves it
-    /// is divided by √n, so that they cover the crown alike in any number. Below 3 the crown gets
-    /// holes, above 5 single leaves stand out of its outline.
+    /// is divided by √n, so that they cover the crown alike in any number. Below 4 the crown gets
+    /// holes, above 6 single twigs stand out of its outline.
     pub size: f32,
     /// What keeps leaves within the crown.
     pub clip: LeafClip,
@@ -172,7 +172,7 @@ impl Default for LeafSettings {
             leaves_a_pixel: 8.0,
             least: 64,
             most: 2048,
-            size: 4.8,
+            size: 5.0,
             clip: LeafClip::Center,
         }
     }

@@ -19,17 +19,21 @@ pub struct Light {
     pub exposure: f32,
 }
 
-impl Default for Light {
+impl Light {
     /// A high, slightly warm sun from the left behind the viewer, under a pale blue sky.
+    pub const DAY: Self = Self {
+        sun_yaw_deg: -42.0,
+        sun_pitch_deg: 48.0,
+        sun: [1.55, 1.45, 1.26],
+        sky: [0.62, 0.72, 0.86],
+        ground: [0.26, 0.25, 0.20],
+        exposure: 1.0,
+    };
+}
+
+impl Default for Light {
     fn default() -> Self {
-        Self {
-            sun_yaw_deg: -42.0,
-            sun_pitch_deg: 48.0,
-            sun: [1.55, 1.45, 1.26],
-            sky: [0.62, 0.72, 0.86],
-            ground: [0.26, 0.25, 0.20],
-            exposure: 1.0,
-        }
+        Self::DAY
     }
 }
 

@@ -1,6 +1,7 @@
 //! `boscage bench`: how long the main pieces of work take here, beside what others need.
 
 mod crown;
+mod render;
 mod row;
 mod synth;
 mod variation;
@@ -8,7 +9,6 @@ mod variation;
 use super::failure::Failure;
 use super::session::Session;
 use super::{Job, Stages};
-use crate::base::Cancel;
 use clap::{Args, ValueEnum};
 use row::Row;
 use serde_json::{Value, json};
@@ -35,16 +35,20 @@ enum Topic {
     Crown,
     /// Foliage around a crown
     Synth,
+    /// Crowns on a graphics card
+    Render,
 }
 
 impl Topic {
-    const ALL: [Self; 3] = [Self::Variation, Self::Crown, Self::Synth];
+    const ALL: [Self; 4] = [Self::Variation, Self::Crown, Self::Synth, Self::Render];
 
-    fn rows(self, cancel: &Cancel) -> Result<Vec<Row>, Failure> {
+    fn rows(self, session: &Session<'_>) -> Result<Vec<Row>, Failure> {
+        let cancel = session.cancel;
         match self {
             Self::Variation => variation::rows(cancel),
             Self::Crown => crown::rows(cancel),
             Self::Synth => synth::rows(cancel),
+            Self::Render => render::rows(session),
         }
     }
 }
@@ -62,7 +66,7 @@ impl Job for Flags {
         let stage = session.progress.stage("bench", topics.len() as u64);
         let mut rows = Vec::new();
         for topic in topics {
-            rows.extend(topic.rows(session.cancel)?);
+            rows.extend(topic.rows(session)?);
             stage.advance();
         }
         drop(stage);

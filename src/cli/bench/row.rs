@@ -29,6 +29,8 @@ pub(super) struct Row {
     pub(super) median_ms: f64,
     pub(super) min_ms: f64,
     runs: usize,
+    /// `ms`, or what a number without a duration counts.
+    unit: &'static str,
     target_ms: Option<f64>,
     baseline: Option<Baseline>,
 }
@@ -66,18 +68,36 @@ fn measured_at_least<E: Into<Failure>>(
         work().map_err(Into::into)?;
         times.push(start.elapsed().as_secs_f64() * 1e3);
     }
-    times.sort_by(f64::total_cmp);
-    Ok(Row {
-        name,
-        median_ms: times[times.len() / 2],
-        min_ms: times[0],
-        runs: times.len(),
-        target_ms: None,
-        baseline: None,
-    })
+    Ok(Row::of_times(name, times))
 }
 
 impl Row {
+    /// A measurement from its times, milliseconds, of which there is one at least.
+    pub(super) fn of_times(name: &'static str, mut times: Vec<f64>) -> Self {
+        times.sort_by(f64::total_cmp);
+        Self::new(name, &times)
+    }
+
+    fn new(name: &'static str, times: &[f64]) -> Self {
+        Row {
+            name,
+            median_ms: times[times.len() / 2],
+            min_ms: times[0],
+            runs: times.len(),
+            unit: "ms",
+            target_ms: None,
+            baseline: None,
+        }
+    }
+
+    /// A number that is no duration.
+    pub(super) fn number(name: &'static str, value: f64, unit: &'static str) -> Self {
+        Self {
+            unit,
+            ..Self::new(name, &[value])
+        }
+    }
+
     pub(super) fn target(self, ms: f64) -> Self {
         Self {
             target_ms: Some(ms),
@@ -98,6 +118,9 @@ impl Row {
     }
 
     pub(super) fn json(&self) -> Value {
+        if self.unit != "ms" {
+            return json!({"name": self.name, "value": self.median_ms, "unit": self.unit});
+        }
         let baseline = self
             .baseline
             .as_ref()
@@ -117,6 +140,9 @@ impl Row {
         let number = |value: Option<f64>, decimals: usize| {
             value.map_or_else(String::new, |value| format!("{value:.decimals$}"))
         };
+        if self.unit != "ms" {
+            return format!("{:<38} {:>10.3} {}\n", self.name, self.median_ms, self.unit);
+        }
         format!(
             "{:<38} {:>10.2} {:>10.2} {:>10} {:>8}  {}\n",
             self.name,

@@ -115,7 +115,7 @@ fn leaf(
     let normal_local = normal(radius, direction, shape_level);
     let above = direction * reach + normal_local * (0.05 * numbers.mean_radius);
     let inside = (depth_share - 0.45).clamp(0.0, 0.45) / 0.45;
-    let bright = 0.98 + 0.36 * hashed(salt ^ 3);
+    let bright = 1.1 + 0.2 * hashed(salt ^ 3);
     let texels = 128.0 / (2.0 * half).max(1.0);
     Some(Leaf {
         x: (across + 1.0) * 0.5 * frame.size[0],

@@ -10,8 +10,9 @@ mod layouts;
 mod leaves;
 mod pipelines;
 mod target;
+mod timer;
 
-use super::frame::{Frame, InstanceNumbers, Resolved, SceneView};
+use super::frame::{Frame, InstanceNumbers, Resolved, SceneView, leaf_bound};
 use super::proxy::Proxy;
 use super::settings::RenderSettings;
 use super::shaders::Pass;
@@ -23,8 +24,10 @@ use layouts::Layouts;
 use leaves::leaf_group;
 use pipelines::Pipelines;
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::ops::Range;
 use target::Target;
+use timer::Timer;
 use wgpu::util::{BufferInitDescriptor, DeviceExt as _};
 
 pub use context::Gpu;
@@ -61,9 +64,8 @@ struct Instances {
 struct Lists {
     shadows: Instances,
     relief: Instances,
-    leaves: Instances,
-    /// Corners of the leaves of one crown.
-    leaf_corners: u32,
+    /// Crowns with about as many leaves, and how many at most.
+    leaves: Vec<(u32, Instances)>,
     meshes: Vec<(wgpu::Buffer, u32)>,
 }
 
@@ -117,7 +119,7 @@ impl GpuRenderer {
     ) -> Result<Image<Straight>, RenderError> {
         let gpu = self.gpu.clone();
         gpu.guarded(|| {
-            self.draw(view, settings)?;
+            self.draw(view, settings, None)?;
             let target = self.target.as_ref();
             target
                 .ok_or_else(|| RenderError::DeviceLost("nothing was drawn".to_owned()))?
@@ -125,8 +127,31 @@ impl GpuRenderer {
         })
     }
 
+    /// Draws a scene and gives the time the card took for it, milliseconds: by its own clock where
+    /// it has one, else from handing the work over to its end.
+    ///
+    /// # Errors
+    /// As [`GpuRenderer::picture`].
+    pub fn drawing_time_ms(
+        &mut self,
+        view: &SceneView<'_>,
+        settings: &RenderSettings,
+    ) -> Result<f64, RenderError> {
+        let gpu = self.gpu.clone();
+        gpu.guarded(|| {
+            let timer = Timer::new(&gpu);
+            self.draw(view, settings, Some(&timer))?;
+            timer.read_ms(&gpu)
+        })
+    }
+
     /// Draws a scene into the renderer's own target.
-    fn draw(&mut self, view: &SceneView<'_>, settings: &RenderSettings) -> Result<(), RenderError> {
+    fn draw(
+        &mut self,
+        view: &SceneView<'_>,
+        settings: &RenderSettings,
+        timer: Option<&Timer>,
+    ) -> Result<(), RenderError> {
         let frame = Frame::new(view, settings);
         self.keep_crowns(view.crowns);
         self.keep_leaves(view.leaves);
@@ -142,8 +167,11 @@ impl GpuRenderer {
         let frame_group = self.frame_group(&frame);
         let lists = Lists::new(&self.gpu, view, settings);
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        self.light_pass(&mut encoder, target, &frame_group, &lists);
+        self.light_pass(&mut encoder, target, (&frame_group, &lists), timer);
         self.tone_pass(&mut encoder, target, &frame_group);
+        if let Some(timer) = timer {
+            timer.resolve(&mut encoder);
+        }
         self.gpu.queue.submit([encoder.finish()]);
         Ok(())
     }
@@ -196,8 +224,8 @@ impl GpuRenderer {
         &self,
         encoder: &mut wgpu::CommandEncoder,
         target: &Target,
-        frame: &wgpu::BindGroup,
-        lists: &Lists,
+        (frame, lists): (&wgpu::BindGroup, &Lists),
+        timer: Option<&Timer>,
     ) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("light"),
@@ -210,6 +238,7 @@ impl GpuRenderer {
                 }),
                 stencil_ops: None,
             }),
+            timestamp_writes: timer.and_then(Timer::writes),
             ..Default::default()
         });
         pass.set_bind_group(0, frame, &[]);
@@ -233,9 +262,11 @@ impl GpuRenderer {
         if let Some((_, leaves)) = &self.leaves {
             pass.set_pipeline(&self.pipelines.leaves);
             pass.set_bind_group(2, leaves, &[]);
-            self.draw_crowns(&mut pass, &lists.leaves, |pass, range| {
-                pass.draw(0..lists.leaf_corners, range);
-            });
+            for (count, crowns) in &lists.leaves {
+                self.draw_crowns(&mut pass, crowns, |pass, range| {
+                    pass.draw(0..6 * count, range);
+                });
+            }
         }
     }
 
@@ -336,13 +367,19 @@ impl Lists {
         let resolved = Resolved::new(view, settings);
         let count = view.crowns.len();
         let instances = |list: &[(usize, InstanceNumbers)]| Instances::new(gpu, list, count);
-        let most = (settings.leaves.most as usize).min(view.leaves.points.len());
+        let mut leaves: BTreeMap<u32, Vec<(usize, InstanceNumbers)>> = BTreeMap::new();
+        for entry in &resolved.leaves {
+            let bound = leaf_bound(view, settings, entry);
+            leaves.entry(bound).or_default().push(*entry);
+        }
         let meshes = view.meshes.iter().filter(|mesh| !mesh.corners.is_empty());
         Self {
             shadows: instances(&resolved.shadows),
             relief: instances(&resolved.relief),
-            leaves: instances(&resolved.leaves),
-            leaf_corners: 6 * most as u32,
+            leaves: leaves
+                .into_iter()
+                .map(|(bound, list)| (bound, instances(&list)))
+                .collect(),
             meshes: meshes
                 .map(|mesh| {
                     let bytes = bytemuck::cast_slice(&mesh.corners);

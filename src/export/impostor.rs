@@ -461,7 +461,9 @@ mod tests {
         // The card spans 2 m of the frame's 2 · half_m.
         let row = (32..64).filter(|&x| made.albedo.at(x, 16).alpha() > 127);
         let expected = 2.0 / (2.0 * made.half_m) * 32.0;
-        assert!((row.count() as f64 - expected).abs() <= 1.0);
+        // Pixels that are half covered count.
+        let found = row.count() as f64;
+        assert!((found - expected).abs() <= 1.5, "{found} {expected}");
     }
 
     #[test]

@@ -6,7 +6,9 @@ use crate::base::{Cancel, Progress, Seed};
 use crate::branches::samples;
 use crate::crown::{height_cubemap, radius_cubemap, radius_with_relief};
 use crate::pipeline::{CrownError, CrownSettings, crown_shape};
-use crate::raster::{Cubemap, Image, Mask, ReadLimits, Straight, read_image_from_memory};
+use crate::raster::{
+    Cubemap, Image, Mask, ReadLimits, Rect, Straight, read_image_from_memory, resized,
+};
 use crate::synth::{
     Exemplar, ExemplarSettings, SynthesisError, SynthesisSettings, Wrapping, assembled, texture,
     texture_around, wrapped,
@@ -19,6 +21,9 @@ const SAMPLE: &str = "oak";
 
 /// Texels along a face.
 const SIZE: u32 = 256;
+
+/// Pixels across a ball whose circumference is four faces.
+const ACROSS: u32 = 326;
 
 /// The textures of the thesis: that of the lateral faces, the top and the bottom.
 const SIDES: [[u32; 2]; 3] = [[1056, 320], [256, 256], [256, 256]];
@@ -41,12 +46,12 @@ pub(super) fn rows(cancel: &Cancel) -> Result<Vec<Row>, Failure> {
     let (photo, mask) = crown_picture()?;
     let exemplar = || exemplar(&photo, &mask, cancel);
     let mut rows = vec![
-        measured("foliage prepared", cancel, || exemplar().map(drop))?,
-        measured("foliage prepared, first preview", cancel, || {
+        measured("foliage: preparation", cancel, || exemplar().map(drop))?,
+        measured("foliage: preparation to preview", cancel, || {
             preview(&exemplar()?, cancel)
         })?
         .target(500.0),
-        measured_long("foliage prepared, three textures", cancel, || {
+        measured_long("foliage: preparation and 3 textures", cancel, || {
             textures(&exemplar()?, cancel).map(drop)
         })?
         .target(4_000.0)
@@ -102,13 +107,21 @@ fn cubemap(
     Ok(wrapped(&lattice, &wrapping, SIZE, cancel)?)
 }
 
-/// The upper half of the sample, which is all crown, and its mask.
+/// The upper half of the sample, which is all crown, and its mask, at the scale that a crown's
+/// cubemap of [`SIZE`] asks for.
 fn crown_picture() -> Result<(Image<Straight>, Mask), Failure> {
     let sample = samples().iter().find(|sample| sample.name() == SAMPLE);
     let bytes = sample.map(|sample| sample.bundled()).unwrap_or_default();
     let picture = read_image_from_memory(bytes, Path::new(SAMPLE), ReadLimits::default())
         .map_err(|error| Failure::Environment(error.to_string()))?;
-    let picture = picture.cropped(0, 0, picture.width(), picture.height() / 2);
+    let upper = Rect {
+        x: 0,
+        y: 0,
+        width: picture.width(),
+        height: picture.height() / 2,
+    };
+    let height = (ACROSS * upper.height).div_ceil(upper.width);
+    let picture = resized(&picture.premultiplied(), upper, ACROSS, height).straight();
     let mask = picture.map(|pixel| pixel.alpha() > 127);
     Ok((picture, mask))
 }

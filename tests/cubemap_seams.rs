@@ -9,15 +9,16 @@
     reason = "figures are for the reader of the test's output"
 )]
 
+mod reference;
+
 use boscage::base::{Cancel, Progress, Seed, with_threads};
 use boscage::crown::crown_center;
-use boscage::raster::{CubeFace, Cubemap, Image, Mask, ReadLimits, Straight, read_image};
+use boscage::raster::{CubeFace, Cubemap, Image, Mask, Straight};
 use boscage::synth::{
     CrownSurface, CubemapSettings, Extent, FoliageCubemap, edge_statistic, extent_of,
     foliage_cubemap, with_photo_front,
 };
 use glam::DVec3;
-use std::path::{Path, PathBuf};
 
 const CROWNS: [&str; 4] = [
     "white_oak_dense_01",
@@ -25,22 +26,6 @@ const CROWNS: [&str; 4] = [
     "ponderosa_pine_01",
     "bald_cypress_01",
 ];
-
-fn data() -> Option<PathBuf> {
-    let folder = std::env::var_os("BOSCAGE_DATA").map_or("../shared/data".into(), PathBuf::from);
-    let found = folder.join("photos").is_dir();
-    if !found {
-        eprintln!("left out: no photographs in {}", folder.display());
-    }
-    found.then_some(folder)
-}
-
-fn photo_and_mask(data: &Path, name: &str) -> (Image<Straight>, Mask) {
-    let read = |path: PathBuf| read_image(&path, ReadLimits::default()).unwrap();
-    let photo = read(data.join(format!("photos/{name}.jpg")));
-    let mask = read(data.join(format!("masks/{name}.mask.png")));
-    (photo, mask.map(|pixel| pixel.0[0] >= 128))
-}
 
 fn made(photo: &Image<Straight>, mask: &Mask, size: u32) -> FoliageCubemap {
     let extent = extent_of(mask, crown_center(mask).unwrap()).unwrap();
@@ -64,10 +49,12 @@ fn ellipsoid(extent: Extent) -> Cubemap<f32> {
 
 #[test]
 fn edges_and_corners_differ_no_more_than_lines_inside_faces() {
-    let Some(data) = data() else { return };
+    let Some(data) = reference::data("photos") else {
+        return;
+    };
     let mut ranks = Vec::new();
     for name in CROWNS {
-        let (photo, mask) = photo_and_mask(&data, name);
+        let (photo, mask) = reference::photo_and_mask(&data, name);
         let foliage = made(&photo, &mask, 128);
         let plain = edge_statistic(&foliage.color);
         let center = crown_center(&mask).unwrap();
@@ -93,8 +80,10 @@ fn edges_and_corners_differ_no_more_than_lines_inside_faces() {
 
 #[test]
 fn the_photograph_stays_on_the_front_and_only_there() {
-    let Some(data) = data() else { return };
-    let (photo, mask) = photo_and_mask(&data, "beech_round_dense_01");
+    let Some(data) = reference::data("photos") else {
+        return;
+    };
+    let (photo, mask) = reference::photo_and_mask(&data, "beech_round_dense_01");
     let foliage = made(&photo, &mask, 128);
     let center = crown_center(&mask).unwrap();
     let radius = ellipsoid(extent_of(&mask, center).unwrap());
@@ -137,8 +126,10 @@ fn the_photograph_stays_on_the_front_and_only_there() {
 
 #[test]
 fn threads_change_nothing() {
-    let Some(data) = data() else { return };
-    let (photo, mask) = photo_and_mask(&data, CROWNS[1]);
+    let Some(data) = reference::data("photos") else {
+        return;
+    };
+    let (photo, mask) = reference::photo_and_mask(&data, CROWNS[1]);
     let of = |threads| with_threads(Some(threads), || made(&photo, &mask, 64).color).unwrap();
     assert_eq!(of(1), of(3));
 }

@@ -1,6 +1,8 @@
 //! `boscage export` as a user runs it: the real binary on a small library, its files read back.
 #![allow(clippy::unwrap_used)]
 
+mod reference;
+
 use boscage::base::Cancel;
 use boscage::export::{ALPHA_CUTOFF, coverage, mips};
 use boscage::raster::{Compression, Image, ReadLimits, Rect, Straight, encode_png, read_image};
@@ -343,13 +345,6 @@ fn check(value: &Value, schema: &Value, root: &Value, at: &str, complaints: &mut
     }
 }
 
-/// Folder of real pictures; `None` where there is none.
-fn real_trees() -> Option<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let data = std::env::var_os("BOSCAGE_DATA").map_or(root.join("../shared/data"), PathBuf::from);
-    Some(data.join("billboards")).filter(|folder| folder.is_dir())
-}
-
 fn mean(image: &Image<Straight>) -> Option<[f64; 3]> {
     let seen: Vec<&Straight> = image
         .pixels()
@@ -362,9 +357,10 @@ fn mean(image: &Image<Straight>) -> Option<[f64; 3]> {
 
 #[test]
 fn real_trees_neither_pale_nor_dissolve_with_distance() {
-    let Some(folder) = real_trees() else {
+    let Some(data) = reference::data("billboards") else {
         return;
     };
+    let folder = data.join("billboards");
     for path in files_below(&folder)
         .iter()
         .filter(|path| path.extension().is_some_and(|e| e == "png"))

@@ -6,22 +6,12 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![allow(clippy::print_stdout, reason = "a left-out test must say so")]
 
+mod reference;
+
 use boscage::base::Cancel;
 use boscage::raster::{Image, ReadLimits, Straight, read_image};
 use boscage::synth::{Side, StepCost, seam};
-use std::path::{Path, PathBuf};
-
-/// The folder of reference results, if it is there.
-fn oracle() -> Option<PathBuf> {
-    let data = std::env::var_os("BOSCAGE_DATA").unwrap_or_else(|| "../shared/data".into());
-    let named = std::env::var_os("BOSCAGE_ORACLE").map(PathBuf::from);
-    let folder = named.or_else(|| Some(Path::new(&data).parent()?.join("oracle")))?;
-    if !folder.is_dir() {
-        println!("{} is not there: nothing is compared", folder.display());
-        return None;
-    }
-    Some(folder)
-}
+use std::path::Path;
 
 fn picture(path: &Path) -> Image<Straight> {
     read_image(path, ReadLimits::default()).unwrap()
@@ -48,7 +38,9 @@ fn cost(a: &Image<Straight>, b: &Image<Straight>, second: impl Fn(u32, u32) -> b
 
 #[test]
 fn the_cheapest_seam_costs_what_two_other_solvers_found() {
-    let Some(oracle) = oracle() else { return };
+    let Some(oracle) = reference::oracle() else {
+        return;
+    };
     let (a, b) = (
         picture(&oracle.join("in/overlap_a.png")),
         picture(&oracle.join("in/overlap_b.png")),

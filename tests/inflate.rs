@@ -4,9 +4,11 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![allow(clippy::print_stdout, reason = "how near we are is worth reading")]
 
+mod reference;
+
 use boscage::raster::{Compression, Image, encode_grey_png};
 use serde_json::Value;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output};
 
 fn run(folder: &Path, words: &[&str]) -> Output {
@@ -177,25 +179,9 @@ fn bad_input_is_refused_in_one_line() {
     assert!(!folder.path().join("a.obj").exists());
 }
 
-/// The folder of reference results, if it is there.
-fn oracle() -> Option<PathBuf> {
-    let data = std::env::var_os("BOSCAGE_DATA").unwrap_or_else(|| "../shared/data".into());
-    let beside = Path::new(&data)
-        .parent()
-        .map(|shared| shared.join("oracle"));
-    let named = std::env::var_os("BOSCAGE_ORACLE").map(PathBuf::from);
-    // Commands run in other folders.
-    let absolute = |folder: PathBuf| std::path::absolute(folder).ok();
-    named
-        .or(beside)
-        .and_then(absolute)
-        .filter(|folder| folder.is_dir())
-}
-
 #[test]
 fn positions_are_those_of_a_public_solver() {
-    let Some(oracle) = oracle() else {
-        println!("no reference results: nothing is compared");
+    let Some(oracle) = reference::oracle() else {
         return;
     };
     let folder = tempfile::tempdir().unwrap();

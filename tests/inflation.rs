@@ -7,29 +7,13 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![allow(clippy::print_stdout, reason = "how near we are is worth reading")]
 
+mod reference;
+
 use boscage::base::{Cancel, Progress, with_threads};
 use boscage::crown::{Domain, Inflation, InflationError, Sheet};
 use boscage::raster::{Image, Mask, ReadLimits, read_image};
 use boscage::solve::{Factor, GridSystem, Method, Multigrid, Solver, Stencil, poisson};
 use proptest::prelude::*;
-use std::path::{Path, PathBuf};
-
-fn oracle() -> Option<PathBuf> {
-    let beside_data = || {
-        let data = std::env::var_os("BOSCAGE_DATA").unwrap_or_else(|| "../shared/data".into());
-        Path::new(&data)
-            .parent()
-            .map(|shared| shared.join("oracle"))
-    };
-    let named = std::env::var_os("BOSCAGE_ORACLE").map(PathBuf::from);
-    let folder = named.or_else(beside_data)?;
-    if folder.is_dir() {
-        Some(folder)
-    } else {
-        println!("{} is not there: nothing is compared", folder.display());
-        None
-    }
-}
 
 fn inflation(mask: &Mask, method: Method) -> Inflation {
     let domain = Domain::new(mask).unwrap();
@@ -126,7 +110,9 @@ fn zoo() -> Vec<(&'static str, Mask)> {
 
 #[test]
 fn positions_are_those_of_cholmod() {
-    let Some(folder) = oracle() else { return };
+    let Some(folder) = reference::oracle() else {
+        return;
+    };
     for name in ["circle", "blob"] {
         let picture = folder.join(format!("in/mask_{name}_256.png"));
         let mask = read_image(&picture, ReadLimits::default()).unwrap();

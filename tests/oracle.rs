@@ -7,6 +7,8 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![allow(clippy::print_stdout, reason = "how near we are is worth reading")]
 
+mod reference;
+
 use boscage::contour::{Outlines, outlines};
 use boscage::geometry::{Point, Polygon};
 use boscage::raster::{Image, Mask, ReadLimits, Straight, read_image};
@@ -16,25 +18,7 @@ use boscage::variation::{
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::io::Read as _;
-use std::path::{Path, PathBuf};
-
-/// The folder of reference results, if it is there.
-fn oracle() -> Option<PathBuf> {
-    let beside_data = || {
-        let data = std::env::var_os("BOSCAGE_DATA").unwrap_or_else(|| "../shared/data".into());
-        Path::new(&data)
-            .parent()
-            .map(|shared| shared.join("oracle"))
-    };
-    let named = std::env::var_os("BOSCAGE_ORACLE").map(PathBuf::from);
-    let folder = named.or_else(beside_data)?;
-    if folder.is_dir() {
-        Some(folder)
-    } else {
-        println!("{} is not there: nothing is compared", folder.display());
-        None
-    }
-}
+use std::path::Path;
 
 fn json(path: &Path) -> Value {
     serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap()
@@ -127,7 +111,9 @@ fn check_contours(name: &str, mask: &Mask, reference: &Value) {
 
 #[test]
 fn contours_are_those_of_opencv() {
-    let Some(folder) = oracle() else { return };
+    let Some(folder) = reference::oracle() else {
+        return;
+    };
     let cases = json(&folder.join("contour_cases.json"));
     for (name, case) in cases.as_object().unwrap() {
         let rows: Vec<Vec<f64>> = case["mask"]
@@ -153,7 +139,9 @@ fn cages(reference: &Value) -> (Cage, Cage) {
 
 #[test]
 fn coordinates_are_exact_to_nine_digits() {
-    let Some(folder) = oracle() else { return };
+    let Some(folder) = reference::oracle() else {
+        return;
+    };
     let reference = json(&folder.join("mvc_ref.json"));
     let (target, source) = cages(&reference);
     for kind in ["interior", "near_edge", "exterior"] {
@@ -176,7 +164,9 @@ fn coordinates_are_exact_to_nine_digits() {
 
 #[test]
 fn coordinates_on_vertices_and_edges_are_their_limits() {
-    let Some(folder) = oracle() else { return };
+    let Some(folder) = reference::oracle() else {
+        return;
+    };
     let reference = json(&folder.join("mvc_ref.json"));
     let (target, _) = cages(&reference);
     let index = |value: &Value| value.as_u64().unwrap() as usize;
@@ -220,7 +210,9 @@ fn npz(bytes: &[u8], name: &str) -> Vec<u8> {
 
 #[test]
 fn every_pixel_of_the_warp_is_where_numpy_has_it() {
-    let Some(folder) = oracle() else { return };
+    let Some(folder) = reference::oracle() else {
+        return;
+    };
     let reference = json(&folder.join("in/cage_100.json"));
     let (target, source) = cages(&reference);
     let arrays = std::fs::read(folder.join("warp_positions_f64.npz")).unwrap();
@@ -246,7 +238,9 @@ fn every_pixel_of_the_warp_is_where_numpy_has_it() {
 
 #[test]
 fn histograms_are_matched_as_scikit_image_does() {
-    let Some(folder) = oracle() else { return };
+    let Some(folder) = reference::oracle() else {
+        return;
+    };
     let image = picture(&folder.join("in/tree_a_1024.png"));
     let like = picture(&folder.join("in/tree_b_1024.png"));
     let transfer = Transfer::between(&Histogram::of(&image), &Histogram::of(&like));

@@ -8,6 +8,8 @@
     reason = "figures are for the reader of the test's output"
 )]
 
+mod reference;
+
 use boscage::base::Cancel;
 use boscage::paint::{
     BrushSettings, INSIDE, OUTSIDE, Over, Paint, Sample, Stroke, TiledMask, grown, shrunk,
@@ -15,15 +17,6 @@ use boscage::paint::{
 };
 use boscage::raster::{Compression, Image, Mask, ReadLimits, Straight, encode_png, read_image};
 use std::path::PathBuf;
-
-fn data() -> Option<PathBuf> {
-    let folder = std::env::var_os("BOSCAGE_DATA").map_or("../shared/data".into(), PathBuf::from);
-    let found = folder.join("photos").is_dir();
-    if !found {
-        eprintln!("left out: no photographs in {}", folder.display());
-    }
-    found.then_some(folder)
-}
 
 /// The first and last column of `mask` in row `y`.
 fn extent(mask: &TiledMask, y: u32) -> Option<(f64, f64)> {
@@ -128,7 +121,9 @@ fn overlay(
 
 #[test]
 fn a_few_strokes_select_real_crowns() {
-    let Some(data) = data() else { return };
+    let Some(data) = reference::data("photos") else {
+        return;
+    };
     let folder = std::fs::read_dir(data.join("photos")).unwrap();
     let mut files: Vec<PathBuf> = folder.map(|entry| entry.unwrap().path()).collect();
     files.sort();

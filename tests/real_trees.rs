@@ -7,6 +7,8 @@
     reason = "figures are for the reader of the test's output"
 )]
 
+mod reference;
+
 use boscage::base::{Cancel, Progress};
 use boscage::geometry::Point;
 use boscage::raster::{ReadLimits, read_image};
@@ -15,15 +17,6 @@ use boscage::variation::{Exemplar, ExemplarSettings, Layout, Outlined, Shape, no
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-
-fn data() -> Option<PathBuf> {
-    let folder = std::env::var_os("BOSCAGE_DATA").map_or("../shared/data".into(), PathBuf::from);
-    let found = folder.join("billboards").is_dir();
-    if !found {
-        eprintln!("left out: no real trees in {}", folder.display());
-    }
-    found.then_some(folder)
-}
 
 fn billboards(data: &Path) -> Vec<PathBuf> {
     let folder = std::fs::read_dir(data.join("billboards")).unwrap();
@@ -64,7 +57,9 @@ fn unevenness(points: &[Point]) -> f64 {
 
 #[test]
 fn resampled_outlines_have_equal_chords_in_each_part() {
-    let Some(data) = data() else { return };
+    let Some(data) = reference::data("billboards") else {
+        return;
+    };
     for (name, shape) in shapes(&data) {
         let contour = &shape.contour;
         assert_eq!(contour.points.len(), 2000, "{name}");
@@ -86,7 +81,9 @@ fn resampled_outlines_have_equal_chords_in_each_part() {
 
 #[test]
 fn maps_between_all_pairs_hardly_fold() {
-    let Some(data) = data() else { return };
+    let Some(data) = reference::data("billboards") else {
+        return;
+    };
     let shapes = shapes(&data);
     let count = shapes.len();
     let folded: Vec<f64> = (0..count * count)
@@ -126,7 +123,9 @@ fn drawn_pins(data: &Path) -> BTreeMap<String, [f64; 5]> {
 
 #[test]
 fn pins_from_drawn_labels_are_the_drawn_pins() {
-    let Some(data) = data() else { return };
+    let Some(data) = reference::data("billboards") else {
+        return;
+    };
     let drawn = drawn_pins(&data);
     let settings = ExemplarSettings::default();
     let mut errors = Vec::new();

@@ -9,10 +9,11 @@
     reason = "figures are for the reader of the test's output"
 )]
 
+mod reference;
+
 use boscage::base::Cancel;
 use boscage::crown::{Pyramid, ReliefSettings, luminance, relief};
-use boscage::raster::{Image, Mask, ReadLimits, Straight, opaque_bounds, read_image, resized};
-use std::path::PathBuf;
+use boscage::raster::{Image, Mask, Straight, opaque_bounds, resized};
 
 const CROWNS: [&str; 3] = [
     "white_oak_dense_01",
@@ -25,16 +26,13 @@ const LONGEST: f64 = 192.0;
 
 /// The crowns, smaller; none where there is no data.
 fn crowns() -> Vec<(&'static str, Image<Straight>, Mask)> {
-    let folder = std::env::var_os("BOSCAGE_DATA").map_or("../shared/data".into(), PathBuf::from);
-    if !folder.join("photos").is_dir() {
-        eprintln!("left out: no photographs in {}", folder.display());
+    let Some(folder) = reference::data("photos") else {
         return Vec::new();
-    }
-    let read = |path: String| read_image(&folder.join(path), ReadLimits::default()).unwrap();
+    };
     let crown = |name| {
-        let photo = read(format!("photos/{name}.jpg"));
-        let mask = read(format!("masks/{name}.mask.png"));
-        let bounds = opaque_bounds(&mask.map(|pixel| pixel.0[0] >= 128)).unwrap();
+        let (photo, mask) = reference::photo_and_mask(&folder, name);
+        let bounds = opaque_bounds(&mask).unwrap();
+        let mask = mask.map(|&inside| Straight([if inside { 255 } else { 0 }; 4]));
         let scale = LONGEST / f64::from(bounds.width.max(bounds.height));
         let [width, height] =
             [bounds.width, bounds.height].map(|side| (f64::from(side) * scale) as u32);

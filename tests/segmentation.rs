@@ -10,6 +10,8 @@
     reason = "the table is what a person runs this for"
 )]
 
+mod reference;
+
 use boscage::base::Cancel;
 use boscage::raster::{
     Compression, Image, Premultiplied, ReadLimits, Straight, encode_grey_png, opaque_bounds,
@@ -18,7 +20,7 @@ use boscage::raster::{
 use boscage::segment::{
     Classical, Label, Labels, Segmenter, crown_baseline, grey_from_labels, labels_from_grey,
 };
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// A picture with what a person says of it.
 struct Example {
@@ -38,16 +40,6 @@ struct Outcome {
     baseline_error: f64,
     has_trunk: bool,
     finds_trunk: bool,
-}
-
-fn data() -> Option<PathBuf> {
-    let folder = std::env::var_os("BOSCAGE_DATA").unwrap_or("../shared/data".into());
-    let folder = PathBuf::from(folder);
-    let found = folder.join("pins.csv").is_file();
-    if !found {
-        println!("skipped: no labelled pictures in {}", folder.display());
-    }
-    found.then_some(folder)
 }
 
 fn read(path: &Path) -> Image<Straight> {
@@ -202,7 +194,9 @@ fn assert_at_least(summary: &Summary, crown: f64, trunk: f64, baseline_error: f6
 
 #[test]
 fn billboards_are_segmented_as_by_hand() {
-    let Some(folder) = data() else { return };
+    let Some(folder) = reference::data("pins.csv") else {
+        return;
+    };
     let billboards = examples(&folder, "billboards", "png");
     assert_at_least(&summary("billboards", &billboards), 0.99, 0.85, 0.01);
     // Resampled labels and resampled alpha differ along every twig, whoever segments.
@@ -214,7 +208,9 @@ fn billboards_are_segmented_as_by_hand() {
 /// worse.
 #[test]
 fn cut_out_photographs_are_segmented_too() {
-    let Some(folder) = data() else { return };
+    let Some(folder) = reference::data("pins.csv") else {
+        return;
+    };
     let photos = examples(&folder, "photos", "jpg");
     let photos: Vec<Example> = photos.into_iter().map(cut_out).collect();
     assert_at_least(&summary("photographs", &photos), 0.99, 0.78, 0.035);
@@ -222,7 +218,9 @@ fn cut_out_photographs_are_segmented_too() {
 
 #[test]
 fn the_baseline_is_the_one_of_the_hand_made_pins() {
-    let Some(folder) = data() else { return };
+    let Some(folder) = reference::data("pins.csv") else {
+        return;
+    };
     for (kind, ending) in [("billboards", "png"), ("photos", "jpg")] {
         for example in examples(&folder, kind, ending) {
             let ours = crown_baseline(&example.truth).map(f64::from);

@@ -11,15 +11,17 @@
     reason = "figures are for the reader of the test's output"
 )]
 
+mod reference;
+
 use boscage::base::{Cancel, Progress, Random, Reporter, Seed, Update, with_threads};
 use boscage::branches::samples;
-use boscage::raster::{Image, Mask, ReadLimits, Straight, read_image, read_image_from_memory};
+use boscage::raster::{Image, Mask, ReadLimits, Straight, read_image_from_memory};
 use boscage::synth::{
     Exemplar, ExemplarSettings, SynthesisError, SynthesisSettings, Texture, patch_distance,
     repeated_share, texture, texture_around,
 };
 use rayon::prelude::*;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 type Picture = Image<Straight>;
 
@@ -266,21 +268,9 @@ fn a_cancelled_texture_is_none() {
 
 // What follows is the comparison with Wei & Levoy on real crowns.
 
-fn data() -> Option<PathBuf> {
-    let folder = std::env::var_os("BOSCAGE_DATA").map_or("../shared/data".into(), PathBuf::from);
-    let found = folder.join("photos").is_dir();
-    if !found {
-        eprintln!("left out: no real crowns in {}", folder.display());
-    }
-    found.then_some(folder)
-}
-
 /// A square of `side` pixels from the middle of a real crown; all of it is foliage.
 fn real_foliage(data: &Path, name: &str, side: u32) -> Picture {
-    let read = |path: PathBuf| read_image(&path, ReadLimits::default()).unwrap();
-    let photo = read(data.join("photos").join(format!("{name}.jpg")));
-    let mask = read(data.join("masks").join(format!("{name}.mask.png")));
-    let inside = mask.map(|pixel| pixel.0[0] > 127);
+    let (photo, inside) = reference::photo_and_mask(data, name);
     let corners = (0..photo.height() - side).step_by(8).flat_map(|y| {
         let columns = (0..photo.width() - side).step_by(8);
         columns.map(move |x| (x, y))
@@ -300,7 +290,9 @@ const SEEDS: u64 = 4;
 
 #[test]
 fn textures_are_as_like_their_exemplar_as_those_of_wei_and_levoy() {
-    let Some(data) = data() else { return };
+    let Some(data) = reference::data("photos") else {
+        return;
+    };
     let names = [
         "white_oak_dense_01",
         "catalpa_01",
@@ -356,7 +348,9 @@ fn textures_are_as_like_their_exemplar_as_those_of_wei_and_levoy() {
 
 #[test]
 fn little_of_a_texture_occurs_twice() {
-    let Some(data) = data() else { return };
+    let Some(data) = reference::data("photos") else {
+        return;
+    };
     let names = [
         "white_oak_dense_01",
         "catalpa_01",

@@ -38,4 +38,6 @@ pub mod export;
 
 pub mod sheet;
 
+pub mod app;
+
 pub mod cli;

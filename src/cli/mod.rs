@@ -50,14 +50,16 @@ mod vary_again;
 mod vary_flags;
 mod warp;
 
+use crate::app;
 use crate::base::{Cancel, Progress, with_threads};
-use clap::{CommandFactory as _, Parser, Subcommand};
+use clap::{Parser, Subcommand};
 use clock::StageClock;
 use failure::Failure;
 use options::CommonOptions;
 use output::Output;
 use session::Session;
-use std::io::{IsTerminal as _, Write as _};
+use std::io::IsTerminal as _;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// New trees from a few tree pictures.
@@ -66,6 +68,9 @@ use std::process::ExitCode;
 struct Cli {
     #[command(flatten)]
     options: CommonOptions,
+    /// A project or pictures to open in the studio.
+    #[arg(value_name = "FILE")]
+    files: Vec<PathBuf>,
     #[command(subcommand)]
     command: Option<Command>,
 }
@@ -135,13 +140,17 @@ pub fn run() -> ExitCode {
         Ok(cli) => cli,
         Err(error) => return usage::answered(&error),
     };
-    let Some(command) = cli.command else {
-        return without_command();
+    let outcome = match &cli.command {
+        Some(_) if !cli.files.is_empty() => Err(Failure::of(
+            cli.files[0].display(),
+            "is neither a command nor an argument of one",
+        )),
+        Some(command) => cli
+            .options
+            .check()
+            .and_then(|()| run_job(&cli.options, command.job())),
+        None => studio(cli.files),
     };
-    let outcome = cli
-        .options
-        .check()
-        .and_then(|()| run_job(&cli.options, command.job()));
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
@@ -174,16 +183,18 @@ fn run_job(options: &CommonOptions, job: &dyn Job) -> Result<(), Failure> {
     outcome
 }
 
-/// `boscage` alone opens the studio, once there is one.
-fn without_command() -> ExitCode {
-    // A closed stdout changes nothing about the answer.
-    let help = Cli::command().render_help();
-    let _ = write!(std::io::stdout(), "{help}");
-    let failure = Failure::BadInput(
-        "the studio is not part of this version; name a command, for example: \
-         boscage segment oak.png --out labels"
-            .to_owned(),
-    );
-    reporter::print_failure(&failure);
-    failure.exit_code()
+/// `boscage` alone opens the studio.
+fn studio(files: Vec<PathBuf>) -> Result<(), Failure> {
+    // A mistyped command shall not open a window.
+    if let Some(missing) = files.iter().find(|file| !file.exists()) {
+        return Err(Failure::of(
+            missing.display(),
+            "is neither a command nor a file",
+        ));
+    }
+    app::run(files).map_err(|error| {
+        Failure::Environment(format!(
+            "{error}; commands work without one, see boscage --help"
+        ))
+    })
 }

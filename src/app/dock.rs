@@ -1,0 +1,131 @@
+//! The panels of the window and where they stand.
+//!
+//! Each workspace has an arrangement of its own, which the user can change by dragging tabs and edges
+//! and which is kept between sessions. One that no longer fits this version is forgotten.
+
+use super::studio::Workspace;
+use egui_tiles::{Container, Linear, LinearDir, Tile, TileId, Tiles, Tree};
+use serde::{Deserialize, Serialize};
+
+/// A panel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub(super) enum Pane {
+    /// All pictures as a strip.
+    Pictures,
+    /// The photograph and its mask.
+    Canvas,
+    /// The crown in three dimensions.
+    View,
+    /// How the crown is made.
+    Crown,
+    /// New trees.
+    Gallery,
+    /// How new trees are made.
+    Variation,
+    /// What is being worked on.
+    Jobs,
+}
+
+impl Pane {
+    /// What stands on its tab.
+    pub(super) fn title(self) -> &'static str {
+        match self {
+            Self::Pictures => "Pictures",
+            Self::Canvas => "Canvas",
+            Self::View => "3D View",
+            Self::Crown => "Crown",
+            Self::Gallery => "Gallery",
+            Self::Variation => "Variation",
+            Self::Jobs => "Jobs",
+        }
+    }
+}
+
+/// The arrangements of all workspaces.
+#[derive(Serialize, Deserialize)]
+pub(super) struct Layouts {
+    crown: Tree<Pane>,
+    variations: Tree<Pane>,
+    library: Tree<Pane>,
+}
+
+impl Default for Layouts {
+    fn default() -> Self {
+        use Pane::{Canvas, Crown, Gallery, Jobs, Pictures, Variation, View};
+        Self {
+            crown: arranged(
+                "crown",
+                &[
+                    (&[Pictures], 0.13),
+                    (&[Canvas], 0.38),
+                    (&[View], 0.31),
+                    (&[Crown, Jobs], 0.18),
+                ],
+            ),
+            variations: arranged(
+                "variations",
+                &[
+                    (&[Pictures], 0.13),
+                    (&[Gallery], 0.65),
+                    (&[Variation, Jobs], 0.22),
+                ],
+            ),
+            library: arranged("library", &[(&[Pictures], 0.72), (&[Jobs], 0.28)]),
+        }
+    }
+}
+
+impl Layouts {
+    pub(super) fn of(&mut self, workspace: Workspace) -> &mut Tree<Pane> {
+        match workspace {
+            Workspace::Crown => &mut self.crown,
+            Workspace::Variations => &mut self.variations,
+            Workspace::Library => &mut self.library,
+        }
+    }
+
+    /// Whether every panel that a workspace needs is somewhere: an old file may lack one.
+    pub(super) fn is_complete(&self) -> bool {
+        let default = Self::default();
+        let all = [
+            (&self.crown, &default.crown),
+            (&self.variations, &default.variations),
+            (&self.library, &default.library),
+        ];
+        all.iter()
+            .all(|(kept, wanted)| panes(wanted).all(|pane| kept.tiles.find_pane(&pane).is_some()))
+    }
+}
+
+fn panes(tree: &Tree<Pane>) -> impl Iterator<Item = Pane> + '_ {
+    tree.tiles.tiles().filter_map(|tile| match tile {
+        Tile::Pane(pane) => Some(*pane),
+        Tile::Container(_) => None,
+    })
+}
+
+/// Columns from left to right, each the panels that share it as tabs, and its share of the width.
+fn arranged(name: &str, columns: &[(&[Pane], f32)]) -> Tree<Pane> {
+    let mut tiles = Tiles::default();
+    let mut tile = |panes: &[Pane]| -> TileId {
+        let ids: Vec<TileId> = panes.iter().map(|pane| tiles.insert_pane(*pane)).collect();
+        tiles.insert_tab_tile(ids)
+    };
+    let ids: Vec<TileId> = columns.iter().map(|(panes, _)| tile(panes)).collect();
+    let mut row = Linear::new(LinearDir::Horizontal, ids.clone());
+    for (id, (_, share)) in ids.into_iter().zip(columns) {
+        row.shares.set_share(id, *share);
+    }
+    let root = tiles.insert_container(Container::Linear(row));
+    Tree::new(egui::Id::unique(("dock", name)), root, tiles)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_default_arrangement_is_complete() {
+        assert!(Layouts::default().is_complete());
+    }
+}

@@ -1,0 +1,394 @@
+//! The jobs of the window, and what becomes of their results.
+
+use super::photos::{THUMBNAIL_PX, Thumbnail};
+use super::studio::{Effect, Question, Severity, Studio};
+use crate::base::Digest;
+use crate::document::store::{self, LockError, Over, Stamp, StoreError};
+use crate::document::{Decoded, Document, Edit, PhotoId, Snapshot};
+use crate::jobs::{Context, JobError, Message, Priority, Report, Request, Topic};
+use crate::raster::{Image, ReadLimits, Rect, Straight, read_image_from_memory, resized};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, PoisonError};
+use std::time::{Instant, SystemTime, UNIX_EPOCH};
+
+/// What a job gives back.
+pub(super) enum Outcome {
+    /// A photograph's pixels.
+    Whole(Digest, Arc<Image<Straight>>),
+    /// A photograph's thumbnail.
+    Thumb(Digest, Thumbnail),
+    /// Pictures to add: name, bytes, width, height; and what could not be read.
+    Pictures(Vec<Picture>, Vec<String>),
+    /// A project from a file.
+    Opened(PathBuf, Box<Decoded>, Stamp),
+    /// A project from the sample library or an autosave: no file holds it.
+    Made(Box<Decoded>),
+    /// The project was written.
+    Saved(PathBuf, Stamp, u64),
+    /// It was not, and why.
+    NotSaved(StoreError),
+    /// An autosave was written.
+    Autosaved(u64),
+}
+
+/// A picture that was read from a file.
+pub(super) struct Picture {
+    pub(super) name: String,
+    pub(super) bytes: Arc<[u8]>,
+    pub(super) size: (u32, u32),
+}
+
+fn topic(kind: &'static str, item: u64) -> Topic {
+    Topic { kind, item }
+}
+
+impl Studio {
+    /// Takes up what jobs tell. Whether anything did.
+    pub fn take_outcomes(&mut self) -> bool {
+        let mut took = false;
+        while let Some(message) = self.jobs.poll() {
+            self.take(message);
+            took = true;
+        }
+        self.autosave_if_due();
+        took
+    }
+
+    fn take(&mut self, message: Message<Outcome>) {
+        match message.report {
+            Report::Partial(outcome) | Report::Ended(Ok(outcome)) => self.accept(outcome),
+            Report::Ended(Err(JobError::Cancelled(_))) => {}
+            Report::Ended(Err(error)) => self.notify(Severity::Error, error.to_string()),
+        }
+    }
+
+    fn accept(&mut self, outcome: Outcome) {
+        match outcome {
+            Outcome::Whole(digest, image) => self.photos.put_whole(digest, image),
+            Outcome::Thumb(digest, thumbnail) => self.photos.put_thumbnail(digest, thumbnail),
+            Outcome::Pictures(pictures, failures) => self.add(pictures, failures),
+            Outcome::Opened(path, decoded, stamp) => self.opened(path, *decoded, stamp),
+            Outcome::Made(decoded) => {
+                self.show(*decoded);
+                self.document.mark_unsaved();
+            }
+            Outcome::Saved(path, stamp, revision) => self.saved(path, stamp, revision),
+            Outcome::NotSaved(error) => self.not_saved(error),
+            Outcome::Autosaved(revision) => self.autosave_clock.wrote(revision),
+        }
+    }
+
+    fn add(&mut self, pictures: Vec<Picture>, failures: Vec<String>) {
+        let first = self.document.state().content().next_photo;
+        let many = pictures.len();
+        self.document.begin(if many == 1 {
+            "Add Picture"
+        } else {
+            "Add Pictures"
+        });
+        for Picture {
+            name,
+            bytes,
+            size: (width, height),
+        } in pictures
+        {
+            let edit = Edit::AddPhoto {
+                name,
+                bytes,
+                width,
+                height,
+            };
+            if let Err(error) = self.document.apply("Add Pictures", edit) {
+                self.notify(Severity::Error, error.to_string());
+            }
+        }
+        if self.document.commit() {
+            self.document.view_mut().photo = Some(PhotoId(first));
+            self.effects.push(Effect::ZoomToFit);
+            self.changed();
+        }
+        for failure in failures {
+            self.notify(Severity::Error, failure);
+        }
+    }
+
+    fn opened(&mut self, path: PathBuf, decoded: Decoded, stamp: Stamp) {
+        let lock = match store::Lock::acquire(&path) {
+            Ok(lock) => Some(lock),
+            Err(error @ LockError::Held { .. }) => {
+                let why = format!("{error}. You can look at it and save it under another name.");
+                self.notify(Severity::Warning, why);
+                None
+            }
+            Err(error) => {
+                self.notify(Severity::Warning, error.to_string());
+                None
+            }
+        };
+        self.show(decoded);
+        self.preferences.remember(&path);
+        self.file.path = Some(path);
+        self.file.stamp = Some(stamp);
+        self.file.lock = lock;
+    }
+
+    /// Makes `decoded` the project, with no file.
+    fn show(&mut self, decoded: Decoded) {
+        self.replace(decoded.document);
+        for note in decoded.notes {
+            self.notify(Severity::Warning, note);
+        }
+    }
+
+    /// Makes `document` the project, with no file.
+    pub(super) fn replace(&mut self, document: Document) {
+        self.document = document;
+        self.file = super::studio::ProjectFile::default();
+        self.painting = None;
+        self.autosave_clock = store::AutosaveClock::default();
+        self.autosave_clock
+            .wrote(self.document.snapshot().revision());
+        self.effects.push(Effect::ZoomToFit);
+        self.changed();
+    }
+
+    fn saved(&mut self, path: PathBuf, stamp: Stamp, revision: u64) {
+        if self.file.path.as_deref() != Some(&path) {
+            self.file.lock = store::Lock::acquire(&path).ok();
+        }
+        self.document.mark_saved(revision);
+        self.autosave_clock.wrote(revision);
+        self.preferences.remember(&path);
+        self.notify(Severity::Info, format!("Saved {}", path.display()));
+        self.file.path = Some(path);
+        self.file.stamp = Some(stamp);
+        if let Some(next) = self.after_save.take() {
+            self.go_on(next);
+        }
+    }
+
+    fn not_saved(&mut self, error: StoreError) {
+        self.after_save = None;
+        match error {
+            StoreError::ChangedOnDisk { path } => {
+                self.question = Some(Question::ChangedOnDisk(path));
+            }
+            error => self.notify(Severity::Error, error.to_string()),
+        }
+    }
+
+    /// Asks for the pixels of `photo` and the thumbnails of all, where they are not there.
+    pub(super) fn decode_what_is_shown(&mut self) {
+        let photos: Vec<_> = self.document.state().content().photos.iter().collect();
+        let shown = self.shown();
+        let mut wanted = Vec::new();
+        for (&id, photo) in photos {
+            let Some(bytes) = self.document.photo_bytes(id) else {
+                continue;
+            };
+            let is_shown = shown == Some(id) && self.photos.whole(photo.digest).is_none();
+            let has_thumbnail = self.photos.thumbnail(photo.digest).is_some();
+            if is_shown || !has_thumbnail {
+                wanted.push((id, photo.clone(), Arc::clone(bytes), is_shown));
+            }
+        }
+        for (id, photo, bytes, is_shown) in wanted {
+            let digest = photo.digest;
+            if is_shown {
+                let title = format!("Decoding {}", photo.name);
+                let (bytes, name) = (Arc::clone(&bytes), photo.name.clone());
+                let work = move |_: &Context<Outcome>| {
+                    let image = decoded(&bytes, &name).map_err(JobError::failed)?;
+                    Ok(Outcome::Whole(digest, Arc::new(image)))
+                };
+                let topic = topic("whole photo", 0);
+                self.jobs
+                    .submit(Request::new(title, topic, Priority::Interactive, work));
+            }
+            if self.photos.thumbnail(digest).is_none() {
+                self.photos.put_thumbnail(digest, Thumbnail::Pending);
+                let title = format!("Thumbnail of {}", photo.name);
+                let work = move |_: &Context<Outcome>| {
+                    let thumbnail = match decoded(&bytes, &photo.name) {
+                        Ok(image) => Thumbnail::Ready(Arc::new(thumbnail(&image))),
+                        Err(reason) => Thumbnail::Failed(reason),
+                    };
+                    Ok(Outcome::Thumb(digest, thumbnail))
+                };
+                let topic = topic("thumbnail", u64::from(id.0));
+                self.jobs
+                    .submit(Request::new(title, topic, Priority::Preview, work));
+            }
+        }
+    }
+
+    /// Reads pictures and adds them to the project.
+    pub(super) fn read_pictures(&mut self, paths: Vec<PathBuf>) {
+        let work = move |context: &Context<Outcome>| {
+            let (mut pictures, mut failures) = (Vec::new(), Vec::new());
+            for path in &paths {
+                context.check()?;
+                match picture(path) {
+                    Ok(picture) => pictures.push(picture),
+                    Err(failure) => failures.push(failure),
+                }
+            }
+            Ok(Outcome::Pictures(pictures, failures))
+        };
+        let topic = topic("add pictures", self.next_notice);
+        self.jobs.submit(Request::new(
+            "Adding pictures",
+            topic,
+            Priority::Interactive,
+            work,
+        ));
+    }
+
+    /// Reads the project in `path`.
+    pub(super) fn read_project(&mut self, path: PathBuf) {
+        let work = move |_: &Context<Outcome>| {
+            let (decoded, stamp) = store::open(&path).map_err(JobError::failed)?;
+            Ok(Outcome::Opened(path, Box::new(decoded), stamp))
+        };
+        let topic = topic("open", 0);
+        self.jobs
+            .submit(Request::new("Opening", topic, Priority::Interactive, work));
+    }
+
+    /// Reads what a crash left behind in `folder`.
+    pub(super) fn recover(&mut self, folder: &Path) {
+        let Some(left) = self.recoverable.iter().find(|left| left.folder == folder) else {
+            return;
+        };
+        let (recovery, left) = (self.recovery.clone(), left.clone());
+        let work = move |_: &Context<Outcome>| {
+            let decoded = recovery.open(&left).map_err(JobError::failed)?;
+            Ok(Outcome::Made(Box::new(decoded)))
+        };
+        let topic = topic("open", 0);
+        self.jobs.submit(Request::new(
+            "Recovering",
+            topic,
+            Priority::Interactive,
+            work,
+        ));
+    }
+
+    /// Makes the project of the trees that come with the studio.
+    pub(super) fn make_sample(&mut self) {
+        let work = |context: &Context<Outcome>| {
+            let mut document = Document::new();
+            for sample in crate::branches::samples() {
+                context.check()?;
+                let bytes: Arc<[u8]> = sample.bundled().into();
+                let image = decoded(&bytes, sample.name()).map_err(JobError::failed)?;
+                let edit = Edit::AddPhoto {
+                    name: sample.name().to_owned(),
+                    bytes,
+                    width: image.width(),
+                    height: image.height(),
+                };
+                document
+                    .apply("Add Pictures", edit)
+                    .map_err(JobError::failed)?;
+            }
+            let snapshot = document.snapshot();
+            let bytes = crate::document::encode(&snapshot, context.cancel())?;
+            let decoded = crate::document::decode(&bytes, |_| None).map_err(JobError::failed)?;
+            Ok(Outcome::Made(Box::new(decoded)))
+        };
+        let topic = topic("open", 0);
+        self.jobs.submit(Request::new(
+            "Opening the sample",
+            topic,
+            Priority::Interactive,
+            work,
+        ));
+    }
+
+    /// Writes the project to `path`.
+    pub(super) fn write_project(&mut self, path: PathBuf, over: Over) {
+        let snapshot = self.document.snapshot();
+        let work = move |context: &Context<Outcome>| {
+            let revision = snapshot.revision();
+            match store::save(&path, &snapshot, over, context.cancel()) {
+                Ok(stamp) => Ok(Outcome::Saved(path, stamp, revision)),
+                Err(StoreError::Cancelled(cancelled)) => Err(cancelled.into()),
+                Err(error) => Ok(Outcome::NotSaved(error)),
+            }
+        };
+        let topic = topic("save", 0);
+        self.jobs
+            .submit(Request::new("Saving", topic, Priority::Interactive, work));
+    }
+
+    fn autosave_if_due(&mut self) {
+        if self.document.is_in_gesture() || !self.document.is_dirty() {
+            return;
+        }
+        let snapshot = self.document.snapshot();
+        if self
+            .autosave_clock
+            .is_due(snapshot.revision(), Instant::now())
+        {
+            self.autosave_clock.wrote(snapshot.revision());
+            self.write_autosave(snapshot);
+        }
+    }
+
+    fn write_autosave(&mut self, snapshot: Snapshot) {
+        let (recovery, shared) = (self.recovery.clone(), Arc::clone(&self.autosave));
+        let file = self.file.path.clone();
+        let work = move |context: &Context<Outcome>| {
+            let mut autosave = shared.lock().unwrap_or_else(PoisonError::into_inner);
+            let now = SystemTime::now().duration_since(UNIX_EPOCH);
+            let now = now.map_or(0, |since| since.as_secs());
+            if autosave.is_none() {
+                let session = format!("{now}-{}", std::process::id());
+                *autosave = Some(recovery.begin(&session).map_err(JobError::failed)?);
+            }
+            if let Some(autosave) = autosave.as_mut() {
+                let written = autosave.write(&snapshot, file.as_deref(), now, context.cancel());
+                written.map_err(JobError::failed)?;
+            }
+            Ok(Outcome::Autosaved(snapshot.revision()))
+        };
+        let topic = topic("autosave", 0);
+        self.jobs
+            .submit(Request::new("Autosave", topic, Priority::Preview, work));
+    }
+}
+
+/// The pixels of a file; `name` stands in messages and tells the format where the bytes do not.
+fn decoded(bytes: &[u8], name: &str) -> Result<Image<Straight>, String> {
+    read_image_from_memory(bytes, Path::new(name), ReadLimits::default())
+        .map_err(|error| error.to_string())
+}
+
+fn picture(path: &Path) -> Result<Picture, String> {
+    let limits = ReadLimits::default();
+    let bytes = crate::base::read_limited(path, limits.file_bytes).map_err(|e| e.to_string())?;
+    let image = decoded(&bytes, &path.to_string_lossy())?;
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    Ok(Picture {
+        name: name.into_owned(),
+        bytes: bytes.into(),
+        size: (image.width(), image.height()),
+    })
+}
+
+fn thumbnail(image: &Image<Straight>) -> Image<Straight> {
+    let (width, height) = (image.width(), image.height());
+    let scale = f64::from(THUMBNAIL_PX) / f64::from(width.max(height));
+    let side = |length: u32| ((f64::from(length) * scale).round() as u32).max(1);
+    if scale >= 1.0 {
+        return image.clone();
+    }
+    let whole = Rect {
+        x: 0,
+        y: 0,
+        width,
+        height,
+    };
+    resized(&image.premultiplied(), whole, side(width), side(height)).straight()
+}

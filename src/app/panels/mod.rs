@@ -1,0 +1,84 @@
+//! The panels, one a file. Each looks at the studio and asks for actions; what a panel itself must
+//! remember (scrolling, textures, half-typed text) is in its struct and in no project.
+
+mod canvas;
+mod crown;
+mod gallery;
+mod jobs;
+mod pictures;
+mod variation;
+mod view;
+
+use super::action::Action;
+use super::dock::Pane;
+use super::studio::{Effect, Studio};
+use crate::raster::{Image, Straight};
+use egui::{ColorImage, Ui};
+
+/// All panels of the window.
+pub(super) struct Panels {
+    pictures: pictures::Pictures,
+    canvas: canvas::Canvas,
+    view: view::View,
+    crown: crown::Crown,
+    gallery: gallery::Gallery,
+    variation: variation::Variation,
+}
+
+impl Panels {
+    pub(super) fn new(creation: &eframe::CreationContext<'_>) -> Self {
+        Self {
+            pictures: pictures::Pictures::default(),
+            canvas: canvas::Canvas::default(),
+            view: view::View::new(creation),
+            crown: crown::Crown,
+            gallery: gallery::Gallery,
+            variation: variation::Variation,
+        }
+    }
+
+    /// What must be done once a frame before anything is drawn.
+    pub(super) fn prepare(&mut self, frame: &mut eframe::Frame, studio: &Studio) {
+        self.view.prepare(frame, studio);
+    }
+
+    pub(super) fn show(
+        &mut self,
+        pane: Pane,
+        ui: &mut Ui,
+        studio: &Studio,
+        actions: &mut Vec<Action>,
+    ) {
+        match pane {
+            Pane::Pictures => self.pictures.show(ui, studio, actions),
+            Pane::Canvas => self.canvas.show(ui, studio, actions),
+            Pane::View => self.view.show(ui, studio, actions),
+            Pane::Crown => self.crown.show(ui, studio, actions),
+            Pane::Gallery => self.gallery.show(ui, studio, actions),
+            Pane::Variation => self.variation.show(ui, studio, actions),
+            Pane::Jobs => jobs::show(ui, studio, actions),
+        }
+    }
+
+    pub(super) fn perform(&mut self, effect: &Effect) {
+        self.canvas.perform(effect);
+    }
+}
+
+/// A picture as egui takes it.
+fn color_image(image: &Image<Straight>) -> ColorImage {
+    let size = [image.width() as usize, image.height() as usize];
+    let bytes: &[[u8; 4]] = bytemuck::cast_slice(image.pixels());
+    ColorImage::from_rgba_unmultiplied(size, bytes.as_flattened())
+}
+
+/// A panel that has nothing to show says what to do.
+fn empty(ui: &mut Ui, heading: &str, text: &str) {
+    let above = (ui.available_height() * 0.38).max(0.0);
+    ui.add_space(above);
+    ui.vertical_centered(|ui| {
+        ui.label(egui::RichText::new(heading).size(15.0));
+        ui.add_space(super::theme::TIGHT);
+        ui.add(egui::Label::new(egui::RichText::new(text).weak()).wrap());
+    });
+}

@@ -1,0 +1,483 @@
+//! The window: menus, workspaces, panels, the line at the bottom, and what lies over them.
+
+use super::action::{Action, Answer};
+use super::commands::{Command, Menu, TABLE};
+use super::dock::{Layouts, Pane};
+use super::files::{FileDialogs, Purpose};
+use super::panels::Panels;
+use super::preferences::Preferences;
+use super::studio::{Effect, Next, Question, Severity, Studio, Workspace};
+use super::theme::{self, GAP, TIGHT, tokens};
+use super::{palette, shortcut_sheet, start};
+use egui::{Context, RichText, Ui, ViewportCommand};
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// The studio cannot be shown.
+#[derive(Debug, thiserror::Error)]
+pub enum StartError {
+    /// There is no desktop to show it on, or no way to draw on it.
+    #[error("no window can be opened: {0}")]
+    Window(String),
+    /// A library of the desktop is missing or broken.
+    #[error("the desktop's libraries failed: {0}")]
+    Desktop(String),
+}
+
+/// Opens the studio and returns when it is closed. `files` are opened first.
+///
+/// # Errors
+/// [`StartError`].
+pub fn run(files: Vec<PathBuf>) -> Result<(), StartError> {
+    let options = eframe::NativeOptions {
+        viewport: egui::ViewportBuilder::default()
+            .with_app_id("boscage")
+            .with_title("Boscage")
+            .with_inner_size([1440.0, 900.0])
+            .with_min_inner_size([960.0, 600.0]),
+        ..Default::default()
+    };
+    let started = crate::base::without_panics(|| {
+        eframe::run_native(
+            "boscage",
+            options,
+            Box::new(move |creation| Ok(Box::new(Shell::new(creation, recovery_folder(), files)))),
+        )
+    });
+    match started {
+        Ok(Ok(())) => Ok(()),
+        Ok(Err(error)) => Err(StartError::Window(error.to_string())),
+        Err(panicked) => Err(StartError::Desktop(panicked.message)),
+    }
+}
+
+/// Where autosaves lie.
+fn recovery_folder() -> PathBuf {
+    directories::ProjectDirs::from("", "", "boscage").map_or_else(
+        || std::env::temp_dir().join("boscage-recovery"),
+        |folders| folders.data_local_dir().join("recovery"),
+    )
+}
+
+/// The window and the studio in it.
+pub struct Shell {
+    studio: Studio,
+    layouts: Layouts,
+    panels: Panels,
+    dialogs: FileDialogs,
+    palette: palette::Palette,
+    shows_shortcuts: bool,
+    shows_about: bool,
+    title: String,
+    /// What draws, for *About*.
+    adapter: String,
+}
+
+const PREFERENCES: &str = "preferences";
+const LAYOUTS: &str = "layouts";
+
+impl Shell {
+    /// The window's content. Autosaves lie below `recovery_folder`; `files` are opened first.
+    pub fn new(
+        creation: &eframe::CreationContext<'_>,
+        recovery_folder: PathBuf,
+        files: Vec<PathBuf>,
+    ) -> Self {
+        let ctx = &creation.egui_ctx;
+        theme::install(ctx);
+        let kept = creation.storage;
+        let preferences: Preferences = kept
+            .and_then(|kept| eframe::get_value(kept, PREFERENCES))
+            .unwrap_or_default();
+        let layouts: Option<Layouts> = kept.and_then(|kept| eframe::get_value(kept, LAYOUTS));
+        let waker = ctx.clone();
+        let mut studio = Studio::new(preferences, recovery_folder, move || {
+            waker.request_repaint()
+        });
+        if !files.is_empty() {
+            studio.act(Action::Open(files));
+        }
+        let state = creation.wgpu_render_state.as_ref();
+        let adapter = state.map_or("no graphics card".to_owned(), |state| {
+            let info = state.adapter.get_info();
+            format!("{} ({})", info.name, info.backend)
+        });
+        Self {
+            studio,
+            layouts: layouts.filter(Layouts::is_complete).unwrap_or_default(),
+            panels: Panels::new(creation),
+            dialogs: FileDialogs::default(),
+            palette: palette::Palette::default(),
+            shows_shortcuts: false,
+            shows_about: false,
+            title: String::new(),
+            adapter,
+        }
+    }
+
+    /// The studio in the window.
+    pub fn studio(&self) -> &Studio {
+        &self.studio
+    }
+
+    /// The studio in the window, for tests to do what a user does.
+    pub fn studio_mut(&mut self) -> &mut Studio {
+        &mut self.studio
+    }
+
+    fn perform(&mut self, effect: Effect, ctx: &Context) {
+        match effect {
+            Effect::AskWhatToOpen => self.dialogs.ask(Purpose::Open, ctx),
+            Effect::AskWhereToSave => self.dialogs.ask(Purpose::Save, ctx),
+            Effect::ZoomToFit | Effect::ZoomToPixels => self.panels.perform(&effect),
+            Effect::RestoreLayout => self.layouts = Layouts::default(),
+            Effect::TogglePalette => self.palette.toggle(),
+            Effect::ToggleShortcutSheet => self.shows_shortcuts = !self.shows_shortcuts,
+            Effect::ToggleAbout => self.shows_about = !self.shows_about,
+            Effect::Quit => ctx.send_viewport_cmd(ViewportCommand::Close),
+        }
+    }
+
+    fn keep_title(&mut self, ctx: &Context) {
+        let title = self.studio.title();
+        if title != self.title {
+            ctx.send_viewport_cmd(ViewportCommand::Title(title.clone()));
+            self.title = title;
+        }
+    }
+
+    fn draw(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) {
+        egui::Panel::top("menu bar").show(ui, |ui| menu_bar(ui, &self.studio, actions));
+        egui::Panel::bottom("status").show(ui, |ui| status(ui, &self.studio, actions));
+        let frame = egui::Frame::NONE.fill(tokens(ui).ground);
+        egui::CentralPanel::default().frame(frame).show(ui, |ui| {
+            if self.studio.is_empty() {
+                start::show(ui, &self.studio, actions);
+                return;
+            }
+            let mut docked = Docked {
+                panels: &mut self.panels,
+                studio: &self.studio,
+                actions,
+            };
+            self.layouts.of(self.studio.workspace).ui(&mut docked, ui);
+        });
+    }
+
+    fn draw_over(&mut self, ctx: &Context, actions: &mut Vec<Action>) {
+        self.palette.show(ctx, &self.studio, actions);
+        self.dialogs.show(ctx, actions);
+        if self.shows_shortcuts {
+            shortcut_sheet::show(ctx, &mut self.shows_shortcuts);
+        }
+        if self.shows_about {
+            about(ctx, &self.adapter, &mut self.shows_about);
+        }
+        if let Some(question) = self.studio.question() {
+            ask(ctx, question, actions);
+        }
+    }
+}
+
+impl eframe::App for Shell {
+    fn logic(&mut self, ctx: &Context, _frame: &mut eframe::Frame) {
+        self.studio.take_outcomes();
+        if ctx.input(|input| input.viewport().close_requested()) && self.studio.may_not_close() {
+            ctx.send_viewport_cmd(ViewportCommand::CancelClose);
+            self.studio.act(Action::Do(Command::Quit));
+        }
+        // An autosave is due even when nobody touches anything; nothing else needs the time.
+        if self.studio.document().is_dirty() {
+            ctx.request_repaint_after(Duration::from_secs(5));
+        }
+    }
+
+    fn ui(&mut self, ui: &mut Ui, frame: &mut eframe::Frame) {
+        let ctx = ui.ctx().clone();
+        let theme = if self.studio.preferences.is_dark {
+            egui::Theme::Dark
+        } else {
+            egui::Theme::Light
+        };
+        if ctx.theme() != theme {
+            ctx.set_theme(theme);
+        }
+        self.keep_title(&ctx);
+        self.panels.prepare(frame, &self.studio);
+        let mut actions = Vec::new();
+        let is_free = self.studio.question().is_none();
+        if is_free {
+            shortcuts(&ctx, &self.studio, &mut actions);
+            dropped(&ctx, &mut actions);
+        }
+        self.draw(ui, &mut actions);
+        self.draw_over(&ctx, &mut actions);
+        let did_something = !actions.is_empty();
+        for action in actions {
+            self.studio.act(action);
+        }
+        for effect in std::mem::take(&mut self.studio.effects) {
+            self.perform(effect, &ctx);
+        }
+        if did_something {
+            // What was done is seen in the next frame.
+            ctx.request_repaint();
+        }
+    }
+
+    fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        eframe::set_value(storage, PREFERENCES, &self.studio.preferences);
+        eframe::set_value(storage, LAYOUTS, &self.layouts);
+    }
+}
+
+/// The panels of the present workspace.
+struct Docked<'a> {
+    panels: &'a mut Panels,
+    studio: &'a Studio,
+    actions: &'a mut Vec<Action>,
+}
+
+impl egui_tiles::Behavior<Pane> for Docked<'_> {
+    fn pane_ui(
+        &mut self,
+        ui: &mut Ui,
+        _: egui_tiles::TileId,
+        pane: &mut Pane,
+    ) -> egui_tiles::UiResponse {
+        let fill = tokens(ui).panel;
+        ui.painter().rect_filled(ui.max_rect(), 0.0, fill);
+        self.panels.show(*pane, ui, self.studio, self.actions);
+        egui_tiles::UiResponse::None
+    }
+
+    fn tab_title_for_pane(&mut self, pane: &Pane) -> egui::WidgetText {
+        pane.title().into()
+    }
+
+    fn gap_width(&self, _: &egui::Style) -> f32 {
+        3.0
+    }
+
+    fn simplification_options(&self) -> egui_tiles::SimplificationOptions {
+        egui_tiles::SimplificationOptions {
+            all_panes_must_have_tabs: true,
+            ..Default::default()
+        }
+    }
+}
+
+/// Keys of commands. While somebody types, only those with Ctrl count.
+fn shortcuts(ctx: &Context, studio: &Studio, actions: &mut Vec<Action>) {
+    let is_typing = ctx.egui_wants_keyboard_input();
+    // `Y` redoes too: hands from other programs know it.
+    let redo = egui::KeyboardShortcut::new(egui::Modifiers::COMMAND, egui::Key::Y);
+    if ctx.input_mut(|input| input.consume_shortcut(&redo)) {
+        actions.push(Action::Do(Command::Redo));
+    }
+    // Those with more modifiers first, or Ctrl+S would take Ctrl+Shift+S.
+    let mut rows: Vec<_> = TABLE.iter().collect();
+    rows.sort_by_key(|row| std::cmp::Reverse(row.shortcut.modifiers.shift));
+    for row in rows {
+        let is_plain = !row.shortcut.modifiers.command;
+        if (is_plain && is_typing) || !studio.can(row.command) {
+            continue;
+        }
+        if ctx.input_mut(|input| input.consume_shortcut(&row.shortcut)) {
+            actions.push(Action::Do(row.command));
+        }
+    }
+}
+
+fn dropped(ctx: &Context, actions: &mut Vec<Action>) {
+    let paths: Vec<PathBuf> = ctx.input(|input| {
+        input
+            .raw
+            .dropped_files
+            .iter()
+            .map(|file| file.path().to_owned())
+            .collect()
+    });
+    if !paths.is_empty() {
+        actions.push(Action::Open(paths));
+    }
+}
+
+fn menu_bar(ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
+    egui::MenuBar::new().ui(ui, |ui| {
+        for menu in Menu::ALL {
+            let rows = || TABLE.iter().filter(|row| row.menu == menu);
+            if rows().next().is_none() {
+                continue;
+            }
+            ui.menu_button(menu.title(), |ui| {
+                for row in rows() {
+                    if menu_item(ui, studio, row.command).clicked() {
+                        actions.push(Action::Do(row.command));
+                        ui.close();
+                    }
+                }
+                if menu == Menu::File {
+                    recent(ui, studio, actions);
+                }
+            });
+        }
+        ui.add_space(2.0 * GAP);
+        for workspace in Workspace::ALL {
+            let is_on = studio.workspace == workspace;
+            let title = workspace.title();
+            let help = Command::Show(workspace).row().help;
+            if ui
+                .selectable_label(is_on, title)
+                .on_hover_text(help)
+                .clicked()
+            {
+                actions.push(Action::Workspace(workspace));
+            }
+        }
+    });
+}
+
+fn menu_item(ui: &mut Ui, studio: &Studio, command: Command) -> egui::Response {
+    let row = command.row();
+    let label = studio.label_of(command);
+    let keys = ui.ctx().format_shortcut(&row.shortcut);
+    let button = egui::Button::new(label).shortcut_text(keys);
+    ui.add_enabled(studio.can(command), button)
+        .on_hover_text(row.help)
+}
+
+fn recent(ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
+    ui.menu_button("Open Recent", |ui| {
+        if studio.preferences.recent.is_empty() {
+            ui.weak("Nothing yet");
+        }
+        for path in &studio.preferences.recent {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            if ui
+                .button(name)
+                .on_hover_text(path.display().to_string())
+                .clicked()
+            {
+                actions.push(Action::Open(vec![path.clone()]));
+                ui.close();
+            }
+        }
+    });
+}
+
+/// What is going on, and what the user should know.
+fn status(ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
+    ui.horizontal(|ui| {
+        ui.set_min_height(22.0);
+        let jobs = studio.jobs.snapshot();
+        if let Some(job) = jobs.first() {
+            ui.add(egui::Spinner::new().size(14.0));
+            ui.weak(&job.name);
+            if jobs.len() > 1 {
+                ui.weak(format!("and {} more", jobs.len() - 1));
+            }
+        } else if let Some(photo) = studio
+            .shown()
+            .and_then(|id| studio.document().state().content().photos.get(&id))
+        {
+            ui.weak(format!(
+                "{} · {} × {} px",
+                photo.name, photo.width, photo.height
+            ));
+        }
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            for notice in studio.notices().iter().rev() {
+                let color = match notice.severity {
+                    Severity::Info => tokens(ui).weak,
+                    Severity::Warning => tokens(ui).warning,
+                    Severity::Error => tokens(ui).error,
+                };
+                let text = RichText::new(&notice.text).color(color);
+                let button = egui::Button::new(text).frame(false).truncate();
+                let response = ui.add(button);
+                if response
+                    .on_hover_text(format!("{}\nClick to dismiss.", notice.text))
+                    .clicked()
+                {
+                    actions.push(Action::DismissNotice(notice.id));
+                }
+            }
+        });
+    });
+}
+
+fn ask(ctx: &Context, question: &Question, actions: &mut Vec<Action>) {
+    let (heading, text, save, anyway) = match question {
+        Question::Unsaved(next) => {
+            let anyway = if *next == Next::Quit {
+                "Quit Without Saving"
+            } else {
+                "Do Not Save"
+            };
+            (
+                "Save the changes?",
+                "The project has changes that no file holds.".to_owned(),
+                "Save",
+                anyway,
+            )
+        }
+        Question::ChangedOnDisk(path) => {
+            let text = format!(
+                "{} was changed by another program since it was opened. Saving writes over those changes.",
+                path.display()
+            );
+            ("The file has changed", text, "Save As…", "Write Over")
+        }
+        Question::OpenElsewhere(path, whose) => {
+            let text = format!("{} is open elsewhere: {whose}.", path.display());
+            (
+                "The file is open elsewhere",
+                text,
+                "Save As…",
+                "Write Anyway",
+            )
+        }
+    };
+    let modal = egui::Modal::new(egui::Id::unique("question")).show(ctx, |ui| {
+        ui.set_width(420.0);
+        ui.heading(heading);
+        ui.add_space(TIGHT);
+        ui.label(text);
+        ui.add_space(2.0 * GAP);
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            for (label, answer) in [
+                (save, Answer::Save),
+                (anyway, Answer::Anyway),
+                ("Cancel", Answer::Cancel),
+            ] {
+                if ui.button(label).clicked() {
+                    actions.push(Action::Answer(answer));
+                }
+            }
+        });
+    });
+    if modal.should_close() {
+        actions.push(Action::Answer(Answer::Cancel));
+    }
+}
+
+fn about(ctx: &Context, adapter: &str, is_open: &mut bool) {
+    let modal = egui::Modal::new(egui::Id::unique("about")).show(ctx, |ui| {
+        ui.set_width(380.0);
+        ui.heading("Boscage");
+        ui.label(format!("Version {}", env!("CARGO_PKG_VERSION")));
+        ui.add_space(GAP);
+        ui.label("Turns a few tree pictures into any number of new trees.");
+        ui.add_space(GAP);
+        ui.weak(format!("Draws with {adapter}"));
+        ui.weak(format!("Licence: {}", env!("CARGO_PKG_LICENSE")));
+        ui.add_space(GAP);
+        if ui.button("Close").clicked() {
+            ui.close();
+        }
+    });
+    if modal.should_close() {
+        *is_open = false;
+    }
+}

@@ -1,0 +1,318 @@
+//! What the studio knows: the project, what it shows, the tools in hand, the jobs. No window.
+
+use super::outcome::Outcome;
+use super::photos::Photos;
+use super::preferences::Preferences;
+use crate::document::store::{Autosave, AutosaveClock, Lock, Recoverable, Recovery, Stamp};
+use crate::document::{Document, PhotoId};
+use crate::jobs::Jobs;
+use crate::paint::{CROWN, Stroke, TiledMask};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
+
+/// What fills the window.
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, Hash, Default, serde::Serialize, serde::Deserialize,
+)]
+pub enum Workspace {
+    /// One photograph, its mask, its crown.
+    #[default]
+    Crown,
+    /// New trees from several.
+    Variations,
+    /// All pictures.
+    Library,
+}
+
+impl Workspace {
+    /// In the order of their tabs.
+    pub const ALL: [Self; 3] = [Self::Crown, Self::Variations, Self::Library];
+
+    /// What stands on its tab.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Crown => "Crown",
+            Self::Variations => "Variations",
+            Self::Library => "Library",
+        }
+    }
+}
+
+/// What the hand holds over the canvas.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Tool {
+    /// Paints labels.
+    #[default]
+    Brush,
+    /// Moves the picture.
+    Hand,
+}
+
+/// The tools and how they are set.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Tools {
+    /// The one in hand.
+    pub tool: Tool,
+    /// What it paints.
+    pub label: u8,
+    /// Whether it erases instead.
+    pub is_erasing: bool,
+    /// Radius of the brush, pixels of the photograph.
+    pub radius_px: f64,
+    /// Hardness of the brush, 0 to 1.
+    pub hardness: f64,
+    /// How far the brush calms the hand, 0 to 1.
+    pub smoothing: f64,
+}
+
+impl Default for Tools {
+    fn default() -> Self {
+        Self {
+            tool: Tool::default(),
+            label: CROWN,
+            is_erasing: false,
+            radius_px: 24.0,
+            hardness: 1.0,
+            smoothing: 0.3,
+        }
+    }
+}
+
+/// Where the project lies on disk.
+#[derive(Debug, Default)]
+pub struct ProjectFile {
+    /// The file, once there is one.
+    pub path: Option<PathBuf>,
+    /// What it held when it was read or written last.
+    pub(super) stamp: Option<Stamp>,
+    /// The right to write it; `None` also when it could not be had.
+    pub(super) lock: Option<Lock>,
+}
+
+/// A question in the middle of the window; nothing else goes on until it is answered.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Question {
+    /// The project would be lost by what comes next.
+    Unsaved(Next),
+    /// Somebody else wrote the file.
+    ChangedOnDisk(PathBuf),
+    /// The file is open elsewhere; the text says where.
+    OpenElsewhere(PathBuf, String),
+}
+
+/// What is done once the project is safe.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Next {
+    /// An empty project.
+    New,
+    /// The project in this file.
+    Open(PathBuf),
+    /// The project that comes with the studio.
+    OpenSample,
+    /// The autosave in this folder.
+    Recover(PathBuf),
+    /// The end.
+    Quit,
+}
+
+/// How serious a notice is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Severity {
+    /// Done.
+    Info,
+    /// Worth knowing.
+    Warning,
+    /// Not done.
+    Error,
+}
+
+/// A line for the user at the bottom of the window.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Notice {
+    /// Its number.
+    pub id: u64,
+    /// How serious it is.
+    pub severity: Severity,
+    /// What it says.
+    pub text: String,
+}
+
+/// Something that only the window can do.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum Effect {
+    /// Shows the file dialog for opening.
+    AskWhatToOpen,
+    /// Shows the file dialog for saving.
+    AskWhereToSave,
+    /// Shows all of the picture.
+    ZoomToFit,
+    /// Shows each pixel on one of the screen.
+    ZoomToPixels,
+    /// Puts all panels back.
+    RestoreLayout,
+    /// Opens the command palette or closes it.
+    TogglePalette,
+    /// Opens the shortcut sheet or closes it.
+    ToggleShortcutSheet,
+    /// Says what the studio is, or stops saying it.
+    ToggleAbout,
+    /// Closes the window.
+    Quit,
+}
+
+/// A brush stroke that is being painted on a copy of the mask.
+#[derive(Debug)]
+pub(super) struct Painting {
+    pub(super) photo: PhotoId,
+    pub(super) stroke: Stroke,
+    pub(super) mask: TiledMask,
+}
+
+/// The autosaves of this session; shared with the job that writes them.
+pub(super) type SharedAutosave = Arc<Mutex<Option<Autosave>>>;
+
+/// All that the studio knows. Panels read it; [`Studio::act`] changes it.
+pub struct Studio {
+    /// The project: changed in [`super::act`] only.
+    pub(super) document: Document,
+    /// Counts up whenever the project may look different.
+    pub(super) generation: u64,
+    pub(super) file: ProjectFile,
+    pub(super) recovery: Recovery,
+    pub(super) recoverable: Vec<Recoverable>,
+    pub(super) autosave: SharedAutosave,
+    pub(super) autosave_clock: AutosaveClock,
+    pub(super) jobs: Jobs<Outcome>,
+    pub(super) photos: Photos,
+    pub(super) tools: Tools,
+    pub(super) painting: Option<Painting>,
+    pub(super) workspace: Workspace,
+    pub(super) shows_mask: bool,
+    pub(super) preferences: Preferences,
+    pub(super) question: Option<Question>,
+    /// What waits until the project is saved.
+    pub(super) after_save: Option<Next>,
+    pub(super) notices: Vec<Notice>,
+    pub(super) next_notice: u64,
+    /// For the shell to take.
+    pub(super) effects: Vec<Effect>,
+}
+
+impl Studio {
+    /// A studio with an empty project. Autosaves lie below `recovery_folder`; `waker` is called from
+    /// any thread when a job has something to tell.
+    pub fn new(
+        preferences: Preferences,
+        recovery_folder: PathBuf,
+        waker: impl Fn() + Send + Sync + 'static,
+    ) -> Self {
+        let threads = std::thread::available_parallelism().map_or(2, usize::from);
+        let recovery = Recovery::at(recovery_folder);
+        Self {
+            document: Document::new(),
+            generation: 0,
+            file: ProjectFile::default(),
+            recoverable: recovery.list(),
+            recovery,
+            autosave: SharedAutosave::default(),
+            autosave_clock: AutosaveClock::default(),
+            jobs: Jobs::new(threads, waker),
+            photos: Photos::default(),
+            tools: Tools::default(),
+            painting: None,
+            workspace: Workspace::default(),
+            shows_mask: true,
+            preferences,
+            question: None,
+            after_save: None,
+            notices: Vec::new(),
+            next_notice: 0,
+            effects: Vec::new(),
+        }
+    }
+
+    /// The project.
+    pub fn document(&self) -> &Document {
+        &self.document
+    }
+
+    /// Where it lies.
+    pub fn file(&self) -> &ProjectFile {
+        &self.file
+    }
+
+    /// The photograph that is shown.
+    pub fn shown(&self) -> Option<PhotoId> {
+        let photos = &self.document.state().content().photos;
+        let wanted = self.document.view().photo;
+        wanted
+            .filter(|photo| photos.contains_key(photo))
+            .or_else(|| photos.keys().next().copied())
+    }
+
+    /// The labels of the shown photograph, with the stroke that is being painted.
+    pub fn shown_mask(&self) -> Option<&TiledMask> {
+        let shown = self.shown()?;
+        match &self.painting {
+            Some(painting) if painting.photo == shown => Some(&painting.mask),
+            _ => self.document.state().mask(shown).map(Arc::as_ref),
+        }
+    }
+
+    /// Whether there is nothing to work on.
+    pub fn is_empty(&self) -> bool {
+        self.document.state().content().photos.is_empty()
+    }
+
+    /// What the title bar calls the project.
+    pub fn title(&self) -> String {
+        let name = self.file.path.as_deref().and_then(Path::file_stem);
+        let name = name.map_or("Untitled".into(), |name| name.to_string_lossy());
+        let mark = if self.document.is_dirty() { "*" } else { "" };
+        format!("{name}{mark} – Boscage")
+    }
+
+    /// What was left behind by a crash.
+    pub fn recoverable(&self) -> &[Recoverable] {
+        &self.recoverable
+    }
+
+    /// What is asked, if anything.
+    pub fn question(&self) -> Option<&Question> {
+        self.question.as_ref()
+    }
+
+    /// The lines at the bottom of the window, the newest last.
+    pub fn notices(&self) -> &[Notice] {
+        &self.notices
+    }
+
+    /// Tells the user something.
+    pub(super) fn notify(&mut self, severity: Severity, text: impl Into<String>) {
+        let (id, text) = (self.next_notice, text.into());
+        self.next_notice += 1;
+        self.notices.retain(|notice| notice.text != text);
+        self.notices.push(Notice { id, severity, text });
+        // Older ones were read or never will be.
+        let many = self.notices.len().saturating_sub(3);
+        self.notices.drain(..many);
+    }
+}
+
+impl Studio {
+    /// Whether closing the window now would lose something.
+    pub fn may_not_close(&self) -> bool {
+        self.document.is_dirty() && !self.is_empty()
+    }
+
+    /// A command's name now: what *Undo* would undo, for instance.
+    pub fn label_of(&self, command: super::Command) -> String {
+        let label = command.row().label;
+        let of = match command {
+            super::Command::Undo => self.document.undo_label(),
+            super::Command::Redo => self.document.redo_label(),
+            _ => None,
+        };
+        of.map_or(label.to_owned(), |of| format!("{label} {of}"))
+    }
+}

@@ -13,6 +13,29 @@ const MAY_OPEN_FILES: [&str; 3] = ["base/file.rs", "cli/", "document/store/"];
 /// Words of paths that open, list or remove files.
 const OPENING: [&str; 4] = ["std::fs", "File::", "OpenOptions", "fs::"];
 
+/// Crates that know windows.
+const WINDOWS: [&str; 6] = [
+    "egui",
+    "eframe",
+    "egui_extras",
+    "egui_plot",
+    "egui_tiles",
+    "rfd",
+];
+
+/// What changes the project.
+const CHANGING: [&str; 9] = [
+    "document.abort",
+    "document.apply",
+    "document.begin",
+    "document.commit",
+    "document.mark_saved",
+    "document.mark_unsaved",
+    "document.redo",
+    "document.undo",
+    "document.view_mut",
+];
+
 /// Most lines of a file without its tests.
 const LONGEST_FILE: usize = 800;
 
@@ -244,10 +267,24 @@ fn windows_and_graphics_cards_are_named_only_where_they_belong() {
     let mut complaints = Vec::new();
     for source in sources() {
         if source.module() != "app" {
-            complaints.extend(source.naming(&["egui", "eframe", "egui_extras", "egui_tiles"]));
+            complaints.extend(source.naming(&WINDOWS));
         }
         if source.module() != "render" && source.path != "app/viewport.rs" {
             complaints.extend(source.naming(&["wgpu"]));
+        }
+    }
+    check(&complaints);
+}
+
+#[test]
+fn the_window_changes_the_project_in_two_places_only() {
+    let mut complaints = Vec::new();
+    for source in sources() {
+        let may = ["app/act", "app/outcome"]
+            .iter()
+            .any(|at| source.path.starts_with(at));
+        if source.module() == "app" && !may {
+            complaints.extend(source.naming(&CHANGING));
         }
     }
     check(&complaints);

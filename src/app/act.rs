@@ -3,11 +3,11 @@
 use super::action::{Action, Answer, Gesture, Pen};
 use super::commands::Command;
 use super::studio::{Effect, Next, Painting, Question, Severity, Studio, Tool};
-use crate::document::store::{OnDisk, Over, on_disk};
+use crate::document::store::Over;
 use crate::document::{Document, Edit, EditError, PhotoId};
 use crate::paint::{BACKGROUND, BrushSettings, CROWN, Paint, Stroke, TRUNK, TiledMask, inverted};
 use std::path::PathBuf;
-use std::sync::{Arc, PoisonError};
+use std::sync::Arc;
 
 /// What a brush grows by at a key press.
 const BRUSH_STEP: f64 = 1.125;
@@ -46,6 +46,7 @@ impl Studio {
             Action::CancelJob(job) => self.jobs.cancel(job),
             Action::PauseJob(job, is_paused) => self.jobs.set_paused(job, is_paused),
             Action::Answer(answer) => self.answer(answer),
+            Action::TourSeen => self.preferences.tour_was_seen = true,
             Action::DismissNotice(id) => self.notices.retain(|notice| notice.id != id),
         }
     }
@@ -57,6 +58,8 @@ impl Studio {
     }
 
     fn run(&mut self, command: Command) {
+        self.recent_commands.retain(|&other| other != command);
+        self.recent_commands.insert(0, command);
         match command {
             Command::New => self.unless_unsaved(Next::New),
             Command::Open | Command::AddPhotos => self.effects.push(Effect::AskWhatToOpen),
@@ -108,6 +111,7 @@ impl Studio {
             Command::RestoreLayout => self.effects.push(Effect::RestoreLayout),
             Command::Palette => self.effects.push(Effect::TogglePalette),
             Command::ShortcutSheet => self.effects.push(Effect::ToggleShortcutSheet),
+            Command::Tour => self.effects.push(Effect::StartTour),
             Command::About => self.effects.push(Effect::ToggleAbout),
         }
     }
@@ -280,6 +284,7 @@ impl Studio {
             Next::OpenSample => self.make_sample(),
             Next::Recover(folder) => self.recover(&folder),
             Next::Quit => {
+                self.jobs.cancel_all();
                 self.discard_autosave();
                 self.effects.push(Effect::Quit);
             }
@@ -304,21 +309,9 @@ impl Studio {
             (Question::ChangedOnDisk(path), Answer::Anyway) => {
                 self.write_project(path, Over::Anything);
             }
-            (Question::ChangedOnDisk(_) | Question::OpenElsewhere(..), _) => {
+            (Question::ChangedOnDisk(_), Answer::Save) => {
                 self.effects.push(Effect::AskWhereToSave);
             }
-        }
-    }
-
-    /// The file's state, for a look when the window comes to the front.
-    pub fn look_at_file(&mut self) {
-        let (Some(path), Some(stamp)) = (&self.file.path, self.file.stamp) else {
-            return;
-        };
-        if matches!(on_disk(path, stamp), Ok(OnDisk::Missing)) {
-            let gone = format!("{} is gone; saving writes it again.", path.display());
-            self.document.mark_unsaved();
-            self.notify(Severity::Warning, gone);
         }
     }
 
@@ -333,21 +326,6 @@ impl Studio {
         match self.recovery.discard(&self.recoverable[at]) {
             Ok(()) => drop(self.recoverable.remove(at)),
             Err(error) => self.notify(Severity::Error, error.to_string()),
-        }
-    }
-
-    /// The project is in order: nothing needs to be recovered after this session.
-    fn discard_autosave(&mut self) {
-        self.jobs.cancel_all();
-        let taken = self
-            .autosave
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .take();
-        if let Some(autosave) = taken
-            && let Err(error) = autosave.discard()
-        {
-            self.notify(Severity::Warning, error.to_string());
         }
     }
 }

@@ -69,6 +69,8 @@ pub enum Action {
     PauseJob(JobId, bool),
     /// The question in the middle of the window is answered.
     Answer(Answer),
+    /// The tour was walked or skipped: it does not begin by itself again.
+    TourSeen,
     /// A line at the bottom of the window was read.
     DismissNotice(u64),
 }

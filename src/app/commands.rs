@@ -105,6 +105,8 @@ pub enum Command {
     Palette,
     /// All keys.
     ShortcutSheet,
+    /// The first steps.
+    Tour,
     /// What the studio is.
     About,
 }
@@ -148,7 +150,7 @@ const fn row(
 
 /// All commands, in the order of the menus.
 #[rustfmt::skip]
-pub(super) const TABLE: &[Row] = &[
+pub const TABLE: &[Row] = &[
     row(Command::New, Menu::File, "New Project", "Starts an empty project.", COMMAND, Key::N),
     row(Command::Open, Menu::File, "Open…", "Opens a project, or adds pictures to this one.", COMMAND, Key::O),
     row(Command::OpenSample, Menu::File, "Open Sample Project", "Opens a project with trees that come with Boscage.", COMMAND_SHIFT, Key::O),
@@ -177,6 +179,7 @@ pub(super) const TABLE: &[Row] = &[
     row(Command::RestoreLayout, Menu::View, "Restore Default Layout", "Puts all panels back where they came from.", COMMAND_SHIFT, Key::R),
     row(Command::Palette, Menu::Help, "Command Palette…", "Finds any command by its name.", COMMAND_SHIFT, Key::P),
     row(Command::ShortcutSheet, Menu::Help, "Keyboard Shortcuts", "Shows all keys.", SHIFT, Key::Questionmark),
+    row(Command::Tour, Menu::Help, "Tour", "Shows the way from a picture to a tree in six steps.", NONE, Key::F1),
     row(Command::About, Menu::Help, "About Boscage", "Version, graphics card, licences.", COMMAND_SHIFT, Key::F1),
 ];
 

@@ -26,8 +26,10 @@ mod shortcut_sheet;
 mod start;
 mod studio;
 mod theme;
+mod tour;
 
-pub use action::{Action, Gesture};
-pub use commands::{Command, Menu};
+pub use action::{Action, Answer, Gesture, Pen};
+pub use commands::{Command, Menu, Row, TABLE};
+pub use preferences::{Navigation, Preferences};
 pub use shell::{Shell, StartError, run};
-pub use studio::{Studio, Workspace};
+pub use studio::{Next, Notice, ProjectFile, Question, Severity, Studio, Tool, Workspace};

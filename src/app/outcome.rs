@@ -3,10 +3,13 @@
 use super::photos::{THUMBNAIL_PX, Thumbnail};
 use super::studio::{Effect, Question, Severity, Studio};
 use crate::base::Digest;
-use crate::document::store::{self, LockError, Over, Stamp, StoreError};
+use crate::document::store::{self, LockError, OnDisk, Over, Recoverable, Stamp, StoreError};
 use crate::document::{Decoded, Document, Edit, PhotoId, Snapshot};
 use crate::jobs::{Context, JobError, Message, Priority, Report, Request, Topic};
+use crate::paint::TiledMask;
 use crate::raster::{Image, ReadLimits, Rect, Straight, read_image_from_memory, resized};
+use crate::segment::{Classical, Segmenter as _};
+use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, PoisonError};
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
@@ -21,14 +24,20 @@ pub(super) enum Outcome {
     Pictures(Vec<Picture>, Vec<String>),
     /// A project from a file.
     Opened(PathBuf, Box<Decoded>, Stamp),
-    /// A project from the sample library or an autosave: no file holds it.
-    Made(Box<Decoded>),
+    /// The project of the sample library: no file holds it.
+    Sample(Box<Document>),
+    /// A project from an autosave.
+    Recovered(Recoverable, Box<Decoded>),
     /// The project was written.
     Saved(PathBuf, Stamp, u64),
     /// It was not, and why.
     NotSaved(StoreError),
     /// An autosave was written.
     Autosaved(u64),
+    /// How the project's file stands to what was read or written last.
+    Looked(PathBuf, OnDisk),
+    /// An autosave was thrown away.
+    Discarded(PathBuf),
 }
 
 /// A picture that was read from a file.
@@ -68,13 +77,13 @@ impl Studio {
             Outcome::Thumb(digest, thumbnail) => self.photos.put_thumbnail(digest, thumbnail),
             Outcome::Pictures(pictures, failures) => self.add(pictures, failures),
             Outcome::Opened(path, decoded, stamp) => self.opened(path, *decoded, stamp),
-            Outcome::Made(decoded) => {
-                self.show(*decoded);
-                self.document.mark_unsaved();
-            }
+            Outcome::Sample(document) => self.replace(*document),
+            Outcome::Recovered(left, decoded) => self.recovered(left, *decoded),
             Outcome::Saved(path, stamp, revision) => self.saved(path, stamp, revision),
             Outcome::NotSaved(error) => self.not_saved(error),
             Outcome::Autosaved(revision) => self.autosave_clock.wrote(revision),
+            Outcome::Looked(path, on_disk) => self.looked(&path, on_disk),
+            Outcome::Discarded(folder) => self.recoverable.retain(|left| left.folder != folder),
         }
     }
 
@@ -132,6 +141,36 @@ impl Studio {
         self.file.lock = lock;
     }
 
+    /// What a crash left behind is the project again. Its autosave goes once there is a new one.
+    fn recovered(&mut self, left: Recoverable, decoded: Decoded) {
+        self.show(decoded);
+        self.document.mark_unsaved();
+        if let Some(file) = &left.file {
+            self.file.lock = store::Lock::acquire(file).ok();
+            self.file.path = Some(file.clone());
+        }
+        self.write_autosave(self.document.snapshot(), Some(left));
+    }
+
+    fn looked(&mut self, path: &Path, on_disk: OnDisk) {
+        if self.file.path.as_deref() != Some(path) {
+            return;
+        }
+        let name = path.display();
+        match on_disk {
+            OnDisk::Same => {}
+            OnDisk::Changed => {
+                let text = format!("{name} was changed by another program; saving will ask.");
+                self.notify(Severity::Warning, text);
+            }
+            OnDisk::Missing => {
+                self.document.mark_unsaved();
+                let text = format!("{name} is gone; saving writes it again.");
+                self.notify(Severity::Warning, text);
+            }
+        }
+    }
+
     /// Makes `decoded` the project, with no file.
     fn show(&mut self, decoded: Decoded) {
         self.replace(decoded.document);
@@ -142,6 +181,7 @@ impl Studio {
 
     /// Makes `document` the project, with no file.
     pub(super) fn replace(&mut self, document: Document) {
+        self.discard_autosave();
         self.document = document;
         self.file = super::studio::ProjectFile::default();
         self.painting = None;
@@ -162,6 +202,9 @@ impl Studio {
         self.notify(Severity::Info, format!("Saved {}", path.display()));
         self.file.path = Some(path);
         self.file.stamp = Some(stamp);
+        if !self.document.is_dirty() {
+            self.discard_autosave();
+        }
         if let Some(next) = self.after_save.take() {
             self.go_on(next);
         }
@@ -263,7 +306,7 @@ impl Studio {
         let (recovery, left) = (self.recovery.clone(), left.clone());
         let work = move |_: &Context<Outcome>| {
             let decoded = recovery.open(&left).map_err(JobError::failed)?;
-            Ok(Outcome::Made(Box::new(decoded)))
+            Ok(Outcome::Recovered(left, Box::new(decoded)))
         };
         let topic = topic("open", 0);
         self.jobs.submit(Request::new(
@@ -276,34 +319,11 @@ impl Studio {
 
     /// Makes the project of the trees that come with the studio.
     pub(super) fn make_sample(&mut self) {
-        let work = |context: &Context<Outcome>| {
-            let mut document = Document::new();
-            for sample in crate::branches::samples() {
-                context.check()?;
-                let bytes: Arc<[u8]> = sample.bundled().into();
-                let image = decoded(&bytes, sample.name()).map_err(JobError::failed)?;
-                let edit = Edit::AddPhoto {
-                    name: sample.name().to_owned(),
-                    bytes,
-                    width: image.width(),
-                    height: image.height(),
-                };
-                document
-                    .apply("Add Pictures", edit)
-                    .map_err(JobError::failed)?;
-            }
-            let snapshot = document.snapshot();
-            let bytes = crate::document::encode(&snapshot, context.cancel())?;
-            let decoded = crate::document::decode(&bytes, |_| None).map_err(JobError::failed)?;
-            Ok(Outcome::Made(Box::new(decoded)))
-        };
+        let work = |context: &Context<Outcome>| Ok(Outcome::Sample(Box::new(sample(context)?)));
         let topic = topic("open", 0);
-        self.jobs.submit(Request::new(
-            "Opening the sample",
-            topic,
-            Priority::Interactive,
-            work,
-        ));
+        let name = "Opening the sample";
+        self.jobs
+            .submit(Request::new(name, topic, Priority::Interactive, work));
     }
 
     /// Writes the project to `path`.
@@ -322,6 +342,38 @@ impl Studio {
             .submit(Request::new("Saving", topic, Priority::Interactive, work));
     }
 
+    /// Looks whether somebody else wrote the project's file.
+    pub(super) fn look_at_file(&mut self) {
+        let (Some(path), Some(stamp)) = (self.file.path.clone(), self.file.stamp) else {
+            return;
+        };
+        let work = move |_: &Context<Outcome>| {
+            let on_disk = store::on_disk(&path, stamp).map_err(JobError::failed)?;
+            Ok(Outcome::Looked(path, on_disk))
+        };
+        let topic = topic("look at file", 0);
+        self.jobs.submit(Request::new(
+            "Looking at the file",
+            topic,
+            Priority::Preview,
+            work,
+        ));
+    }
+
+    /// The project is safe without it.
+    pub(super) fn discard_autosave(&mut self) {
+        let taken = self
+            .autosave
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .take();
+        if let Some(autosave) = taken
+            && let Err(error) = autosave.discard()
+        {
+            self.notify(Severity::Warning, error.to_string());
+        }
+    }
+
     fn autosave_if_due(&mut self) {
         if self.document.is_in_gesture() || !self.document.is_dirty() {
             return;
@@ -331,12 +383,14 @@ impl Studio {
             .autosave_clock
             .is_due(snapshot.revision(), Instant::now())
         {
+            // Not again before the next change, even when this one fails: the user is told.
             self.autosave_clock.wrote(snapshot.revision());
-            self.write_autosave(snapshot);
+            self.write_autosave(snapshot, None);
         }
     }
 
-    fn write_autosave(&mut self, snapshot: Snapshot) {
+    /// Writes an autosave; then throws `replaced` away, which it stands for.
+    fn write_autosave(&mut self, snapshot: Snapshot, replaced: Option<Recoverable>) {
         let (recovery, shared) = (self.recovery.clone(), Arc::clone(&self.autosave));
         let file = self.file.path.clone();
         let work = move |context: &Context<Outcome>| {
@@ -351,12 +405,46 @@ impl Studio {
                 let written = autosave.write(&snapshot, file.as_deref(), now, context.cancel());
                 written.map_err(JobError::failed)?;
             }
+            if let Some(left) = &replaced {
+                recovery.discard(left).map_err(JobError::failed)?;
+                context.publish(Outcome::Discarded(left.folder.clone()));
+            }
             Ok(Outcome::Autosaved(snapshot.revision()))
         };
         let topic = topic("autosave", 0);
         self.jobs
             .submit(Request::new("Autosave", topic, Priority::Preview, work));
     }
+}
+
+/// The trees that come with the studio, each with its crown and trunk labelled.
+fn sample(context: &Context<Outcome>) -> Result<Document, JobError> {
+    let trees: Result<Vec<_>, JobError> = crate::branches::samples()
+        .par_iter()
+        .map(|sample| {
+            context.cancel().check()?;
+            let image = decoded(sample.bundled(), sample.name()).map_err(JobError::failed)?;
+            let labels = Classical.segment(&image, context.cancel());
+            let labels = labels.map_err(JobError::failed)?;
+            Ok((sample, Arc::new(TiledMask::from_labels(&labels))))
+        })
+        .collect();
+    let mut document = Document::new();
+    for (sample, mask) in trees? {
+        let id = PhotoId(document.state().content().next_photo);
+        let photo = Edit::AddPhoto {
+            name: sample.name().to_owned(),
+            bytes: sample.bundled().into(),
+            width: mask.width(),
+            height: mask.height(),
+        };
+        for edit in [photo, Edit::SetMask(id, mask)] {
+            document.apply("Sample", edit).map_err(JobError::failed)?;
+        }
+    }
+    document.forget_history();
+    document.mark_saved(document.snapshot().revision());
+    Ok(document)
 }
 
 /// The pixels of a file; `name` stands in messages and tells the format where the bytes do not.

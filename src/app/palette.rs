@@ -1,7 +1,7 @@
 //! The command palette: any command by a few letters of its name.
 
 use super::action::Action;
-use super::commands::{Row, TABLE};
+use super::commands::{Command, Row, TABLE};
 use super::studio::Studio;
 use super::theme::{TIGHT, tokens};
 use egui::{Context, Key, RichText};
@@ -28,7 +28,7 @@ impl Palette {
         if !self.is_open {
             return;
         }
-        let found = found(&self.text);
+        let found = found(&self.text, studio.recent_commands());
         let steps =
             |key| ctx.input_mut(|input| input.count_and_consume_key(egui::Modifiers::NONE, key));
         self.selected += steps(Key::ArrowDown);
@@ -81,15 +81,22 @@ impl Palette {
     }
 }
 
-/// The commands whose names have the letters of `text` in their order; whole words first.
-fn found(text: &str) -> Vec<&'static Row> {
+/// The commands whose names have the letters of `text` in their order; whole words first, and of
+/// equals those in `recent`, in its order.
+fn found(text: &str, recent: &[Command]) -> Vec<&'static Row> {
     let text = text.trim().to_lowercase();
     let name = |row: &Row| format!("{} {}", row.menu.title(), row.label).to_lowercase();
     let mut found: Vec<&Row> = TABLE
         .iter()
         .filter(|row| has_letters(&name(row), &text))
         .collect();
-    found.sort_by_key(|row| !name(row).contains(&text));
+    let age = |row: &Row| {
+        let at = recent.iter().position(|&command| command == row.command);
+        // The palette itself was always used just now.
+        at.filter(|_| row.command != Command::Palette)
+            .unwrap_or(usize::MAX)
+    };
+    found.sort_by_key(|row| (!name(row).contains(&text), age(row)));
     found
 }
 
@@ -107,9 +114,11 @@ mod tests {
 
     #[test]
     fn whole_words_come_before_scattered_letters() {
-        assert_eq!(found("undo")[0].label, "Undo");
-        assert_eq!(found("sv as")[0].label, "Save As…");
-        assert_eq!(found("").len(), TABLE.len());
-        assert!(found("zzzz").is_empty());
+        assert_eq!(found("undo", &[])[0].label, "Undo");
+        assert_eq!(found("sv as", &[])[0].label, "Save As…");
+        assert_eq!(found("", &[]).len(), TABLE.len());
+        assert!(found("zzzz", &[]).is_empty());
+        let recent = [Command::Palette, Command::Redo];
+        assert_eq!(found("", &recent)[0].command, Command::Redo);
     }
 }

@@ -8,10 +8,11 @@ use super::panels::Panels;
 use super::preferences::Preferences;
 use super::studio::{Effect, Next, Question, Severity, Studio, Workspace};
 use super::theme::{self, GAP, TIGHT, tokens};
-use super::{palette, shortcut_sheet, start};
+use super::{palette, shortcut_sheet, start, tour};
 use egui::{Context, RichText, Ui, ViewportCommand};
+use std::io::Write as _;
 use std::path::PathBuf;
-use std::time::Duration;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 /// The studio cannot be shown.
 #[derive(Debug, thiserror::Error)]
@@ -29,7 +30,10 @@ pub enum StartError {
 /// # Errors
 /// [`StartError`].
 pub fn run(files: Vec<PathBuf>) -> Result<(), StartError> {
+    let folder = own_folder();
+    let recovery = folder.join("recovery");
     let options = eframe::NativeOptions {
+        persistence_path: Some(folder.join("studio.ron")),
         viewport: egui::ViewportBuilder::default()
             .with_app_id("boscage")
             .with_title("Boscage")
@@ -41,7 +45,7 @@ pub fn run(files: Vec<PathBuf>) -> Result<(), StartError> {
         eframe::run_native(
             "boscage",
             options,
-            Box::new(move |creation| Ok(Box::new(Shell::new(creation, recovery_folder(), files)))),
+            Box::new(move |creation| Ok(Box::new(Shell::new(creation, recovery, files)))),
         )
     });
     match started {
@@ -51,11 +55,14 @@ pub fn run(files: Vec<PathBuf>) -> Result<(), StartError> {
     }
 }
 
-/// Where autosaves lie.
-fn recovery_folder() -> PathBuf {
+/// Where preferences and autosaves lie: `BOSCAGE_CONFIG`, or the place that the desktop gives.
+fn own_folder() -> PathBuf {
+    if let Some(folder) = std::env::var_os("BOSCAGE_CONFIG") {
+        return folder.into();
+    }
     directories::ProjectDirs::from("", "", "boscage").map_or_else(
-        || std::env::temp_dir().join("boscage-recovery"),
-        |folders| folders.data_local_dir().join("recovery"),
+        || std::env::temp_dir().join("boscage"),
+        |folders| folders.data_local_dir().to_owned(),
     )
 }
 
@@ -68,10 +75,16 @@ pub struct Shell {
     palette: palette::Palette,
     shows_shortcuts: bool,
     shows_about: bool,
+    tour: tour::Tour,
     title: String,
+    /// Whether [`TRACE`] is set.
+    traces_frames: bool,
     /// What draws, for *About*.
     adapter: String,
 }
+
+/// The variable that makes the studio tell of its frames.
+const TRACE: &str = "BOSCAGE_TRACE_FRAMES";
 
 const PREFERENCES: &str = "preferences";
 const LAYOUTS: &str = "layouts";
@@ -110,7 +123,9 @@ impl Shell {
             palette: palette::Palette::default(),
             shows_shortcuts: false,
             shows_about: false,
+            tour: tour::Tour::default(),
             title: String::new(),
+            traces_frames: std::env::var_os(TRACE).is_some(),
             adapter,
         }
     }
@@ -133,6 +148,7 @@ impl Shell {
             Effect::RestoreLayout => self.layouts = Layouts::default(),
             Effect::TogglePalette => self.palette.toggle(),
             Effect::ToggleShortcutSheet => self.shows_shortcuts = !self.shows_shortcuts,
+            Effect::StartTour => self.tour.start(),
             Effect::ToggleAbout => self.shows_about = !self.shows_about,
             Effect::Quit => ctx.send_viewport_cmd(ViewportCommand::Close),
         }
@@ -173,6 +189,7 @@ impl Shell {
         if self.shows_about {
             about(ctx, &self.adapter, &mut self.shows_about);
         }
+        self.tour.show(ctx, &self.studio, actions);
         if let Some(question) = self.studio.question() {
             ask(ctx, question, actions);
         }
@@ -185,6 +202,13 @@ impl eframe::App for Shell {
         if ctx.input(|input| input.viewport().close_requested()) && self.studio.may_not_close() {
             ctx.send_viewport_cmd(ViewportCommand::CancelClose);
             self.studio.act(Action::Do(Command::Quit));
+        }
+        let came_back = ctx.input(|input| {
+            let focused = |event: &egui::Event| matches!(event, egui::Event::WindowFocused(true));
+            input.events.iter().any(focused)
+        });
+        if came_back {
+            self.studio.look_at_file();
         }
         // An autosave is due even when nobody touches anything; nothing else needs the time.
         if self.studio.document().is_dirty() {
@@ -212,6 +236,9 @@ impl eframe::App for Shell {
         }
         self.draw(ui, &mut actions);
         self.draw_over(&ctx, &mut actions);
+        if self.traces_frames {
+            trace_frame(&ctx);
+        }
         let did_something = !actions.is_empty();
         for action in actions {
             self.studio.act(action);
@@ -229,6 +256,17 @@ impl eframe::App for Shell {
         eframe::set_value(storage, PREFERENCES, &self.studio.preferences);
         eframe::set_value(storage, LAYOUTS, &self.layouts);
     }
+}
+
+/// Tells when a frame was drawn, in microseconds since 1970, and how much input it saw: for scripts
+/// that measure how soon the window answers.
+fn trace_frame(ctx: &Context) {
+    let now = SystemTime::now()
+        .duration_since(UNIX_EPOCH)
+        .unwrap_or_default();
+    let events = ctx.input(|input| input.events.len());
+    // Nobody may listen.
+    let _ = writeln!(std::io::stderr(), "frame {} {events}", now.as_micros());
 }
 
 /// The panels of the present workspace.
@@ -428,15 +466,6 @@ fn ask(ctx: &Context, question: &Question, actions: &mut Vec<Action>) {
                 path.display()
             );
             ("The file has changed", text, "Save As…", "Write Over")
-        }
-        Question::OpenElsewhere(path, whose) => {
-            let text = format!("{} is open elsewhere: {whose}.", path.display());
-            (
-                "The file is open elsewhere",
-                text,
-                "Save As…",
-                "Write Anyway",
-            )
         }
     };
     let modal = egui::Modal::new(egui::Id::unique("question")).show(ctx, |ui| {

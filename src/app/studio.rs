@@ -1,5 +1,6 @@
 //! What the studio knows: the project, what it shows, the tools in hand, the jobs. No window.
 
+use super::commands::Command;
 use super::outcome::Outcome;
 use super::photos::Photos;
 use super::preferences::Preferences;
@@ -96,8 +97,6 @@ pub enum Question {
     Unsaved(Next),
     /// Somebody else wrote the file.
     ChangedOnDisk(PathBuf),
-    /// The file is open elsewhere; the text says where.
-    OpenElsewhere(PathBuf, String),
 }
 
 /// What is done once the project is safe.
@@ -154,6 +153,8 @@ pub(super) enum Effect {
     TogglePalette,
     /// Opens the shortcut sheet or closes it.
     ToggleShortcutSheet,
+    /// Begins the tour.
+    StartTour,
     /// Says what the studio is, or stops saying it.
     ToggleAbout,
     /// Closes the window.
@@ -189,6 +190,8 @@ pub struct Studio {
     pub(super) workspace: Workspace,
     pub(super) shows_mask: bool,
     pub(super) preferences: Preferences,
+    /// Commands in the order of their last use, the latest first.
+    pub(super) recent_commands: Vec<Command>,
     pub(super) question: Option<Question>,
     /// What waits until the project is saved.
     pub(super) after_save: Option<Next>,
@@ -223,6 +226,7 @@ impl Studio {
             workspace: Workspace::default(),
             shows_mask: true,
             preferences,
+            recent_commands: Vec::new(),
             question: None,
             after_save: None,
             notices: Vec::new(),
@@ -277,6 +281,26 @@ impl Studio {
         &self.recoverable
     }
 
+    /// Commands in the order of their last use, the latest first.
+    pub fn recent_commands(&self) -> &[Command] {
+        &self.recent_commands
+    }
+
+    /// What fills the window.
+    pub fn workspace(&self) -> Workspace {
+        self.workspace
+    }
+
+    /// The user's choices.
+    pub fn preferences(&self) -> &Preferences {
+        &self.preferences
+    }
+
+    /// Whether jobs wait or run.
+    pub fn is_busy(&self) -> bool {
+        !self.jobs.is_idle()
+    }
+
     /// What is asked, if anything.
     pub fn question(&self) -> Option<&Question> {
         self.question.as_ref()
@@ -306,11 +330,11 @@ impl Studio {
     }
 
     /// A command's name now: what *Undo* would undo, for instance.
-    pub fn label_of(&self, command: super::Command) -> String {
+    pub fn label_of(&self, command: Command) -> String {
         let label = command.row().label;
         let of = match command {
-            super::Command::Undo => self.document.undo_label(),
-            super::Command::Redo => self.document.redo_label(),
+            Command::Undo => self.document.undo_label(),
+            Command::Redo => self.document.redo_label(),
             _ => None,
         };
         of.map_or(label.to_owned(), |of| format!("{label} {of}"))

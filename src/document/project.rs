@@ -259,6 +259,14 @@ impl Document {
         true
     }
 
+    /// Drops all steps: what was done so far is how the project begins.
+    pub fn forget_history(&mut self) {
+        self.commit();
+        self.undo.clear();
+        self.redo.clear();
+        self.trim();
+    }
+
     /// Whether a gesture is open.
     pub fn is_in_gesture(&self) -> bool {
         self.open.is_some()

@@ -1,9 +1,9 @@
 //! `boscage inflate`: a mask becomes a base mesh.
 
 use super::failure::Failure;
-use super::input::PictureFile;
+use super::input::{PictureFile, coverage};
 use super::output::recipe;
-use super::regions::{Region, from_json, grey, region_masks, regions_from, usual_k};
+use super::regions::{Region, from_json, region_masks, regions_from, usual_k};
 use super::session::Session;
 use super::{Job, Stages};
 use crate::base::Digest;
@@ -423,15 +423,6 @@ fn format_of(out: &Path) -> Result<Format, Failure> {
     }
 }
 
-/// How far each pixel belongs, 0 … 255: its alpha if the picture has clear pixels, else its grey.
-fn coverage(image: &Image<Straight>) -> Image<u8> {
-    if image.pixels().iter().any(|pixel| pixel.alpha() < 255) {
-        image.map(|pixel| pixel.alpha())
-    } else {
-        grey(image)
-    }
-}
-
 /// The mask of what is covered by half or more, its longer side scaled to `size` pixels.
 fn scaled(coverage: &Image<u8>, size: u32) -> Mask {
     let (width, height) = (coverage.width(), coverage.height());
@@ -478,21 +469,5 @@ mod tests {
         assert_eq!((twice.width(), twice.height(), twice.count()), (12, 6, 72));
         let line = scaled(&Image::filled(1000, 1, 255u8), 100);
         assert_eq!((line.width(), line.height()), (100, 1));
-    }
-
-    #[test]
-    fn alpha_counts_only_where_something_is_clear() {
-        let opaque = Image::from_pixels(
-            2,
-            1,
-            vec![Straight([200, 200, 200, 255]), Straight([0, 0, 0, 255])],
-        );
-        assert_eq!(coverage(&opaque).pixels(), &[200, 0]);
-        let clear = Image::from_pixels(
-            2,
-            1,
-            vec![Straight([0, 0, 0, 255]), Straight([255, 255, 255, 0])],
-        );
-        assert_eq!(coverage(&clear).pixels(), &[255, 0]);
     }
 }

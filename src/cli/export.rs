@@ -13,8 +13,8 @@ use super::session::Session;
 use super::{Job, Stages, items};
 use crate::base::Seed;
 use crate::export::{
-    BlockFormat, LicenseRecord, Preset, PresetLibrary, PresetTree, ScatterSettings, SpriteSettings,
-    TreeModel, WindChannels, gallery_list, gallery_page, scattered,
+    BlockFormat, LicenseRecord, LodStyle, Preset, PresetLibrary, PresetTree, ScatterSettings,
+    SpriteSettings, TreeModel, WindChannels, gallery_list, gallery_page, scattered,
 };
 use clap::{Args, ValueEnum};
 use serde_json::json;
@@ -146,6 +146,16 @@ pub(super) struct ExportSettings {
     pub(super) wind: WindChannels,
     pub(super) rights: LicenseRecord,
     pub(super) crowns: CrownExportSettings,
+}
+
+impl ExportSettings {
+    /// How levels of detail and wind are told to the consumer.
+    pub(super) fn lod_style(&self) -> LodStyle {
+        LodStyle {
+            grouped: self.preset.groups_lods(),
+            wind: self.wind,
+        }
+    }
 }
 
 impl Job for Flags {
@@ -364,7 +374,7 @@ impl Export<'_> {
         }
         let stage = session.progress.stage("scene", 1);
         if !samples.is_empty() {
-            let scene = self.scene(samples, session);
+            let scene = self.scene(samples, session)?;
             session
                 .output
                 .write(&settings.out.join("scatter.glb"), &scene)?;
@@ -402,13 +412,10 @@ impl Export<'_> {
         Ok(files)
     }
 
-    fn scene(&self, samples: &[Sample], session: &Session<'_>) -> Vec<u8> {
+    fn scene(&self, samples: &[Sample], session: &Session<'_>) -> Result<Vec<u8>, Failure> {
         let settings = self.settings;
         let lods = settings.preset.lods(settings.planes);
-        let models: Vec<TreeModel<'_>> = samples
-            .iter()
-            .map(|sample| sample.model(settings, &lods))
-            .collect();
+        let models: Vec<TreeModel<'_>> = samples.iter().map(|sample| sample.model(&lods)).collect();
         let widest = samples
             .iter()
             .map(|sample| sample.sprite.size_m()[0])
@@ -417,14 +424,12 @@ impl Export<'_> {
             side: SCATTER_SIDE,
             spacing_m: 1.1 * widest,
             instanced: settings.preset.knows_instancing(),
+            wind: settings.wind,
         };
         let seed = Seed(session.options.seed);
-        scattered(
-            &models,
-            scatter,
-            seed,
-            settings.rights.copyright().as_deref(),
-        )
+        let copyright = settings.rights.copyright();
+        scattered(&models, scatter, seed, copyright.as_deref())
+            .map_err(|error| Failure::of("scatter.glb", error))
     }
 }
 

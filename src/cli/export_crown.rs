@@ -11,7 +11,7 @@ use crate::branches::sprite::LeafShape;
 use crate::export::{
     CrownModel, CrownRecord, Impostor, ImpostorForm, ImpostorRecord, ImpostorSettings, Preset,
     PresetCrown, PresetLibrary, crown_files, encode_ktx2_colors, encode_ktx2_radii, godot_shader,
-    impostor, leaf_model, surface_model, three_module,
+    impostor, leaf_model, lod_glb, surface_model, three_module,
 };
 use crate::raster::{Compression, encode_png};
 use crate::scene::Crown;
@@ -207,7 +207,7 @@ impl CrownExport<'_> {
         }
         if !is_ready {
             for (key, model) in [("model", &leaves), ("surface", &surface)] {
-                self.write(&files[key], &self.glb(model), session)?;
+                self.write(&files[key], &self.glb(model)?, session)?;
             }
             self.write_cubemaps(&crown, &record, &files, made_from, session)?;
         }
@@ -278,13 +278,10 @@ impl CrownExport<'_> {
             .write_item(&folder.join(LAST), last, made_from)
     }
 
-    fn glb(&self, model: &CrownModel) -> Vec<u8> {
-        let settings = self.settings;
-        model.glb(
-            settings.preset.groups_lods(),
-            settings.wind == crate::export::WindChannels::AttributeAndColors,
-            settings.rights.copyright().as_deref(),
-        )
+    fn glb(&self, model: &CrownModel) -> Result<Vec<u8>, Failure> {
+        let copyright = self.settings.rights.copyright();
+        lod_glb(model, self.settings.lod_style(), copyright.as_deref())
+            .map_err(|error| Failure::of(&model.name, error))
     }
 
     /// Sample shaders, README and, last, `library.json`.

@@ -12,7 +12,7 @@ use crate::crown::{
     SubCrown, Tangent, base_mesh, copies_merged, crown_center, envelope, into_world, star_cells,
     sub_crowns_merged,
 };
-use crate::export::{MeshParts, glb, obj};
+use crate::export::{Glb, Material, ModelMesh, obj};
 use crate::geometry::{Mesh, Topology};
 use crate::raster::{Image, Mask, Premultiplied, Rect, Straight, opaque_bounds, resized};
 use clap::{Args, ValueEnum};
@@ -365,11 +365,16 @@ impl Flags {
             return Ok(obj(mesh, told));
         }
         let upright = into_world(mesh, bounds, self.metres_per_pixel(bounds), 0.0).without_unused();
-        let parts = MeshParts {
-            base_color: FOLIAGE,
-            ..MeshParts::new("crown", &upright)
-        };
-        glb(&[parts]).map_err(|error| Failure::of(self.mask.display(), error))
+        let mut glb = Glb::new(None);
+        let green = glb.material(&Material {
+            color: FOLIAGE,
+            ..Material::white("crown")
+        });
+        let crown = glb.mesh("crown", &ModelMesh::from(&upright), green, false);
+        let node = glb.node("crown", crown);
+        glb.show(node);
+        let bytes = glb.into_bytes();
+        bytes.map_err(|error| Failure::of(self.mask.display(), error))
     }
 
     /// Whether the mesh begins with the pixels of the mask.

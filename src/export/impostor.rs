@@ -20,9 +20,9 @@
 //! Limit: texels are covered by quarters.
 
 use super::bleed::{bled, bled_from};
-use super::cards::CardMesh;
 use super::crown_model::CrownModel;
 use super::mips::{ALPHA_CUTOFF, mips};
+use super::model_mesh::ModelMesh;
 use super::record::ImpostorRecord;
 use crate::base::{Cancel, Cancelled};
 use crate::raster::{Image, Straight};
@@ -252,7 +252,7 @@ impl Frame {
         }
     }
 
-    fn draw(&mut self, view: &View, mesh: &CardMesh, skin: &Skin) {
+    fn draw(&mut self, view: &View, mesh: &ModelMesh, skin: &Skin) {
         let half = f64::from(self.size) / 2.0;
         let seen = |at: &[f32; 3]| -> Corner {
             let [x, y, near] = view
@@ -266,7 +266,7 @@ impl Frame {
         }
     }
 
-    fn fill(&mut self, corners: &[Corner], mesh: &CardMesh, [a, b, c]: [usize; 3], skin: &Skin) {
+    fn fill(&mut self, corners: &[Corner], mesh: &ModelMesh, [a, b, c]: [usize; 3], skin: &Skin) {
         let flat = [a, b, c].map(|i| DVec2::new(corners[i][0], corners[i][1]));
         // y points down: a positive product is clockwise, which is a back.
         let area = (flat[1] - flat[0]).perp_dot(flat[2] - flat[0]);
@@ -418,7 +418,7 @@ mod tests {
     fn card() -> CrownModel {
         let red = Straight([255, 0, 0, 255]);
         let green = Straight([0, 255, 0, 255]);
-        let mesh = CardMesh {
+        let mesh = ModelMesh {
             positions: vec![
                 [-1.0, 0.0, 0.0],
                 [1.0, 0.0, 0.0],

@@ -14,7 +14,7 @@
 //! its dark leaves.
 
 use super::bleed::bled;
-use super::cards::CardMesh;
+use super::model_mesh::ModelMesh;
 use super::stem::Stand;
 use crate::base::{Random, Seed};
 use crate::branches::sprite::LeafShape;
@@ -113,10 +113,10 @@ impl LeafCards {
     }
 
     /// The first `count` leaves as pairs of crossed cards.
-    pub(super) fn cards(&self, count: usize, stand: &Stand) -> CardMesh {
+    pub(super) fn cards(&self, count: usize, stand: &Stand) -> ModelMesh {
         let count = count.min(self.leaves.len());
         let side = CARD_SIZE * self.mean_radius / (count.max(1) as f64).sqrt();
-        let mut mesh = CardMesh::default();
+        let mut mesh = ModelMesh::default();
         for leaf in &self.leaves[..count] {
             let half = side * leaf.size;
             let inner = DEEPEST + (1.0 - DEEPEST) * leaf.share;
@@ -133,7 +133,7 @@ impl LeafCards {
 
 impl Leaf {
     /// Adds the card at `center` with the half sides `sides`.
-    fn add(&self, mesh: &mut CardMesh, center: DVec3, sides: [DVec3; 2], stand: &Stand) {
+    fn add(&self, mesh: &mut ModelMesh, center: DVec3, sides: [DVec3; 2], stand: &Stand) {
         let first = mesh.positions.len() as u32;
         for (x, y) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
             let offset = sides[0] * x + sides[1] * y;

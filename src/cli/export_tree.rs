@@ -207,6 +207,7 @@ pub(super) fn export_tree(
         pngs,
     };
     if !is_ready {
+        session.output.outdate(&albedo)?;
         write_textures(settings, &files, &images, &sample, session)?;
         if let Some(model) = files.get("model") {
             let lods = settings.preset.lods(settings.planes);

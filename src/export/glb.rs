@@ -499,7 +499,7 @@ mod tests {
     }
     #[test]
     fn a_bare_mesh_has_a_colour_and_no_picture() {
-        let mesh = cube_sphere(&Cubemap::filled(4, 2.0), DVec3::Y, 3).mesh;
+        let mesh = cube_sphere(&Cubemap::filled(4, 2.0), DVec3::Y, 4).mesh;
         let mut glb = Glb::new(None);
         let green = glb.material(&Material {
             color: [0.1, 0.2, 0.05, 1.0],

@@ -20,10 +20,12 @@ mod crown_mesh;
 mod crown_model;
 mod cutout;
 mod dds;
+mod exr;
 mod gallery;
 mod glb;
 mod impostor;
 mod ktx2_file;
+mod leaf_alpha;
 mod leaf_cards;
 mod lod_model;
 mod mips;
@@ -37,6 +39,7 @@ mod sprite;
 mod sprite_atlas;
 mod stem;
 mod tree_model;
+mod twig_outline;
 
 pub use atlas::{AtlasLayout, atlas};
 pub use atlas_json::{AtlasSprite, atlas_json_array, atlas_json_hash};
@@ -50,10 +53,12 @@ pub use crown_mesh::crown_glb;
 pub use crown_model::{CrownModel, ModelMaterial, leaf_model, surface_model};
 pub use cutout::{Cutout, cutout};
 pub use dds::encode_dds;
-pub use gallery::{GalleryTree, gallery_list, gallery_page, gallery_tree};
+pub use exr::{encode_exr_colors, encode_exr_values};
+pub use gallery::{GalleryTree, gallery_crown, gallery_list, gallery_page, gallery_tree};
 pub use glb::{Glb, GlbError, Instance, Material, MeshId, NodeId};
 pub use impostor::{
-    Impostor, ImpostorForm, ImpostorSettings, frame_direction, godot_shader, impostor, three_module,
+    Impostor, ImpostorForm, ImpostorSettings, frame_direction, godot_shader, impostor, portrait,
+    three_module,
 };
 pub use ktx2_file::{encode_ktx2, encode_ktx2_colors, encode_ktx2_radii};
 pub use lod_model::{LodModel, LodStyle, WindChannels, lod_glb};

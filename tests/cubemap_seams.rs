@@ -13,10 +13,11 @@ mod reference;
 
 use boscage::base::{Cancel, Progress, Seed, with_threads};
 use boscage::crown::crown_center;
-use boscage::raster::{CubeFace, Cubemap, Image, Mask, Straight};
+use boscage::geometry::Point;
+use boscage::raster::{CubeFace, Cubemap, Image, Mask, Straight, opaque_bounds};
 use boscage::synth::{
-    CrownSurface, CubemapSettings, Extent, FoliageCubemap, edge_statistic, extent_of,
-    foliage_cubemap, with_photo_front,
+    CrownSurface, CubemapSettings, Extent, FoliageCubemap, edge_statistic, foliage_cubemap,
+    with_photo_front,
 };
 use glam::DVec3;
 
@@ -27,8 +28,20 @@ const CROWNS: [&str; 4] = [
     "bald_cypress_01",
 ];
 
+/// How far the crown of `mask` reaches from `center`, pixels, if it is as deep as wide.
+fn extent_of(mask: &Mask, center: Point) -> Extent {
+    let bounds = opaque_bounds(mask).unwrap();
+    let (top, height) = (f64::from(bounds.y) - 0.5, f64::from(bounds.height));
+    Extent {
+        across: f64::from(bounds.width) / 2.0,
+        depth: f64::from(bounds.width) / 2.0,
+        up: (center.y - top).clamp(0.0, height),
+        down: (top + height - center.y).clamp(0.0, height),
+    }
+}
+
 fn made(photo: &Image<Straight>, mask: &Mask, size: u32) -> FoliageCubemap {
-    let extent = extent_of(mask, crown_center(mask).unwrap()).unwrap();
+    let extent = extent_of(mask, crown_center(mask).unwrap());
     let settings = CubemapSettings {
         size,
         ..CubemapSettings::default()
@@ -58,7 +71,7 @@ fn edges_and_corners_differ_no_more_than_lines_inside_faces() {
         let foliage = made(&photo, &mask, 128);
         let plain = edge_statistic(&foliage.color);
         let center = crown_center(&mask).unwrap();
-        let radius = ellipsoid(extent_of(&mask, center).unwrap());
+        let radius = ellipsoid(extent_of(&mask, center));
         let surface = CrownSurface {
             center,
             radius: &radius,
@@ -86,7 +99,7 @@ fn the_photograph_stays_on_the_front_and_only_there() {
     let (photo, mask) = reference::photo_and_mask(&data, "beech_round_dense_01");
     let foliage = made(&photo, &mask, 128);
     let center = crown_center(&mask).unwrap();
-    let radius = ellipsoid(extent_of(&mask, center).unwrap());
+    let radius = ellipsoid(extent_of(&mask, center));
     let surface = CrownSurface {
         center,
         radius: &radius,

@@ -1,89 +1,18 @@
 //! `boscage export` as a user runs it: the real binary on a small library, its files read back.
 #![allow(clippy::unwrap_used)]
 
+mod exported;
 mod reference;
 
 use boscage::base::Cancel;
 use boscage::export::{ALPHA_CUTOFF, coverage, mips};
-use boscage::raster::{Compression, Image, ReadLimits, Rect, Straight, encode_png, read_image};
-use serde_json::Value;
+use boscage::raster::{Image, ReadLimits, Rect, Straight, read_image};
+use exported::{
+    boscage, contents, files_below, json, library, listed, schema_complaints, succeeded,
+};
 use std::collections::BTreeSet;
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
-
-/// An oval crown of speckled green on a trunk, 96 pixels high.
-fn tree(width: u32, green: u8) -> Vec<u8> {
-    let mut image = Image::filled(width, 96, Straight([0; 4]));
-    let (middle, radius) = (f64::from(width) / 2.0, f64::from(width) / 2.0 - 2.0);
-    for y in 0..96u32 {
-        for x in 0..width {
-            let (dx, dy) = (f64::from(x) + 0.5 - middle, f64::from(y) - 34.0);
-            let shade = (x * 7 + y * 13) as u8 % 40;
-            if (dx / radius).powi(2) + (dy / 33.0).powi(2) < 1.0 {
-                image.set(x, y, Straight([30 + shade, green - shade, 30, 255]));
-            } else if y > 60 && dx.abs() < 4.0 {
-                image.set(x, y, Straight([90 - shade, 60, 40, 255]));
-            }
-        }
-    }
-    encode_png(&image, Compression::Fast)
-}
-
-fn boscage(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_boscage"))
-        .args(arguments)
-        .current_dir(folder)
-        .env("BOSCAGE_CACHE", folder.join("cache"))
-        .output()
-        .unwrap()
-}
-
-/// A folder with `new/library.json` of three trees at 128 pixels.
-fn library() -> tempfile::TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    fs::create_dir(folder.path().join("exemplars")).unwrap();
-    for (width, green) in [(60, 150), (70, 170), (80, 190)] {
-        let file = folder.path().join(format!("exemplars/{width}.png"));
-        fs::write(file, tree(width, green)).unwrap();
-    }
-    let vary = [
-        "vary",
-        "--library",
-        "exemplars",
-        "--count",
-        "3",
-        "--size",
-        "128",
-        "--out",
-        "new",
-    ];
-    succeeded(&boscage(folder.path(), &vary));
-    folder
-}
-
-fn succeeded(output: &Output) {
-    let told = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{told}");
-}
-
-fn json(path: &Path) -> Value {
-    serde_json::from_slice(&fs::read(path).unwrap()).unwrap()
-}
-
-fn files_below(folder: &Path) -> Vec<PathBuf> {
-    let mut files = Vec::new();
-    for entry in fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            files.extend(files_below(&path));
-        } else {
-            files.push(path);
-        }
-    }
-    files.sort();
-    files
-}
+use std::path::PathBuf;
 
 #[test]
 fn every_preset_lists_every_file_it_writes_and_no_other() {
@@ -103,31 +32,7 @@ fn every_preset_lists_every_file_it_writes_and_no_other() {
         let out = folder.path().join(preset);
         let library = json(&out.join("library.json"));
         assert_eq!(library["preset"], preset);
-        let mut listed: BTreeSet<PathBuf> = ["library.json", "README.txt"]
-            .iter()
-            .map(|file| out.join(file))
-            .collect();
-        let of_trees = library["trees"]
-            .as_array()
-            .unwrap()
-            .iter()
-            .flat_map(|tree| {
-                tree["files"]
-                    .as_object()
-                    .unwrap()
-                    .values()
-                    .cloned()
-                    .collect::<Vec<_>>()
-            });
-        let shared = library["files"].as_object().unwrap().iter();
-        let shared = shared
-            .filter(|(key, _)| *key != "flightgear_varieties")
-            .flat_map(|(_, list)| list.as_array().unwrap().clone());
-        listed.extend(
-            of_trees
-                .chain(shared)
-                .map(|file| out.join(file.as_str().unwrap())),
-        );
+        let listed = listed(&library, &out, "trees");
         let found: BTreeSet<PathBuf> = files_below(&out).into_iter().collect();
         assert_eq!(listed, found, "{preset}");
     }
@@ -179,18 +84,7 @@ fn shards_threads_and_resume_change_no_byte() {
         succeeded(&export("two", &["--shard", shard]));
     }
     succeeded(&export("two", &["--resume"]));
-    let content = |out: &str| {
-        let root = folder.path().join(out);
-        let files = files_below(&root).into_iter();
-        files
-            .map(|path| {
-                (
-                    path.strip_prefix(&root).unwrap().to_owned(),
-                    fs::read(&path).unwrap(),
-                )
-            })
-            .collect::<Vec<_>>()
-    };
+    let content = |out: &str| contents(&folder.path().join(out));
     assert!(content("one") == content("two"), "the folders differ");
     // What is there is refused, and a model that went missing is made again.
     assert_eq!(export("one", &[]).status.code(), Some(2));
@@ -268,81 +162,14 @@ fn every_example_keeps_to_the_schema() {
     ];
     succeeded(&boscage(folder.path(), &export));
     let library = json(&folder.path().join("out/library.json"));
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let schema = json(&root.join("docs/library.schema.json"));
-    let mut complaints = Vec::new();
-    check(&library, &schema, &schema, "library", &mut complaints);
+    let complaints = schema_complaints(&library);
     assert!(complaints.is_empty(), "{complaints:?}");
     // The check itself finds what is wrong.
     let mut broken = library;
     broken["trees"][0]["pivot_px"] = serde_json::json!([1]);
     broken["version"] = serde_json::json!(2);
-    check(&broken, &schema, &schema, "library", &mut complaints);
+    let complaints = schema_complaints(&broken);
     assert_eq!(complaints.len(), 2, "{complaints:?}");
-}
-
-/// The part of JSON Schema that ours uses; also complains of keys that the schema does not describe.
-fn check(value: &Value, schema: &Value, root: &Value, at: &str, complaints: &mut Vec<String>) {
-    if let Some(reference) = schema["$ref"].as_str() {
-        let target = root.pointer(reference.trim_start_matches('#')).unwrap();
-        return check(value, target, root, at, complaints);
-    }
-    let mut fail = |reason: &str| complaints.push(format!("{at} {reason}"));
-    let is_type = match schema["type"].as_str() {
-        Some("object") => value.is_object(),
-        Some("array") => value.is_array(),
-        Some("string") => value.is_string(),
-        Some("number") => value.is_number(),
-        Some("integer") => value.is_u64(),
-        _ => true,
-    };
-    if !is_type {
-        return fail("has the wrong type");
-    }
-    if schema
-        .get("const")
-        .is_some_and(|constant| constant != value)
-    {
-        fail("is not the constant");
-    }
-    if schema["enum"]
-        .as_array()
-        .is_some_and(|values| !values.contains(value))
-    {
-        fail("is none of the values");
-    }
-    if schema["minItems"]
-        .as_u64()
-        .is_some_and(|least| (value.as_array().unwrap().len() as u64) < least)
-    {
-        fail("has too few items");
-    }
-    for key in schema["required"].as_array().into_iter().flatten() {
-        if value.get(key.as_str().unwrap()).is_none() {
-            fail(&format!("lacks {key}"));
-        }
-    }
-    for (index, item) in value.as_array().into_iter().flatten().enumerate() {
-        check(
-            item,
-            &schema["items"],
-            root,
-            &format!("{at}[{index}]"),
-            complaints,
-        );
-    }
-    if schema.get("properties").is_none() && schema.get("additionalProperties").is_none() {
-        return;
-    }
-    for (key, item) in value.as_object().into_iter().flatten() {
-        let described = schema["properties"]
-            .get(key)
-            .or(schema.get("additionalProperties"));
-        match described {
-            Some(described) => check(item, described, root, &format!("{at}.{key}"), complaints),
-            None => complaints.push(format!("{at}.{key} is not described")),
-        }
-    }
 }
 
 fn mean(image: &Image<Straight>) -> Option<[f64; 3]> {

@@ -1,7 +1,7 @@
 //! `boscage crown`: a photograph and the mask of its crown → a crown to be drawn.
 
 use super::failure::Failure;
-use super::input::{PictureFile, mask_from};
+use super::input::{PhotoWithMask, mask_from};
 use super::output::recipe;
 use super::regions::{Region, grey, region_masks, regions_from};
 use super::session::Session;
@@ -94,10 +94,7 @@ impl Job for Flags {
         }
         let paths: Vec<PathBuf> = crown_file_names().iter().map(|n| folder.join(n)).collect();
         session.output.check(&paths)?;
-        let stage = session.progress.stage("read", 2);
         let inputs = self.inputs(session)?;
-        stage.advance();
-        drop(stage);
         let digest = inputs.recipe.digest();
         let record = kept(session, folder, &paths, digest);
         let is_kept = record.is_some();
@@ -121,8 +118,7 @@ impl Job for Flags {
 
 /// The files of a crown, read, and all that is to be done with them.
 struct Inputs {
-    photo: PictureFile,
-    mask: PictureFile,
+    pictures: PhotoWithMask,
     recipe: Recipe,
     /// Where the regions stand, if they were typed.
     regions_file: Option<PathBuf>,
@@ -132,7 +128,7 @@ impl Flags {
     /// Reads the inputs, as typed or as a record tells.
     fn inputs(&self, session: &Session<'_>) -> Result<Inputs, Failure> {
         if let Some(path) = &self.recipe {
-            return inputs_again(path);
+            return inputs_again(path, session);
         }
         let missing = |name| Failure::of(name, "is needed by this command");
         let photo_path = self.photo.as_ref().ok_or_else(|| missing("PHOTO"))?;
@@ -141,20 +137,18 @@ impl Flags {
         let bad = |error| Failure::BadInput(format!("{error}"));
         settings.check().map_err(bad)?;
         let regions = self.regions.as_deref().map(regions_from).transpose()?;
-        let photo = PictureFile::read(photo_path)?;
-        let mask = PictureFile::read(mask_path)?;
+        let pictures = PhotoWithMask::read(photo_path, mask_path, session)?;
         let recipe = Recipe {
             photo: photo_path.display().to_string(),
-            photo_digest: photo.digest().to_string(),
+            photo_digest: pictures.photo.digest().to_string(),
             mask: mask_path.display().to_string(),
-            mask_digest: mask.digest().to_string(),
+            mask_digest: pictures.mask.digest().to_string(),
             seed: session.options.seed,
             settings,
             regions: regions.unwrap_or_default(),
         };
         Ok(Inputs {
-            photo,
-            mask,
+            pictures,
             recipe,
             regions_file: self.regions.clone(),
         })
@@ -177,7 +171,7 @@ impl Flags {
 }
 
 /// The inputs that the `crown.json` at `path` names, which must not have changed.
-fn inputs_again(path: &Path) -> Result<Inputs, Failure> {
+fn inputs_again(path: &Path, session: &Session<'_>) -> Result<Inputs, Failure> {
     let failed = |reason: String| Failure::of(path.display(), reason);
     let record = record_at(path)?;
     let recipe: Recipe = serde_json::from_value(record.recipe)
@@ -186,22 +180,16 @@ fn inputs_again(path: &Path) -> Result<Inputs, Failure> {
         .settings
         .check()
         .map_err(|error| failed(error.to_string()))?;
-    let read = |file: &str, digest: &str| {
-        let file = PictureFile::read(Path::new(file))?;
-        if file.digest().to_string() == digest {
-            Ok(file)
-        } else {
-            Err(Failure::of(
-                file.path().display(),
-                "is not the file that the crown was made from",
-            ))
+    let pictures = PhotoWithMask::read(recipe.photo.as_ref(), recipe.mask.as_ref(), session)?;
+    let digests = [&recipe.photo_digest, &recipe.mask_digest];
+    for (file, digest) in [&pictures.photo, &pictures.mask].into_iter().zip(digests) {
+        if file.digest().to_string() != *digest {
+            let reason = "is not the file that the crown was made from";
+            return Err(Failure::of(file.path().display(), reason));
         }
-    };
-    let photo = read(&recipe.photo, &recipe.photo_digest)?;
-    let mask = read(&recipe.mask, &recipe.mask_digest)?;
+    }
     Ok(Inputs {
-        photo,
-        mask,
+        pictures,
         recipe,
         regions_file: None,
     })
@@ -265,7 +253,7 @@ impl Inputs {
         let stage = session.progress.stage("write", 2);
         let record = CrownRecord::new(&crown, recipe.clone());
         let files = crown_files(&crown, recipe)
-            .map_err(|error| Failure::of(self.photo.path().display(), error))?;
+            .map_err(|error| Failure::of(self.pictures.photo.path().display(), error))?;
         stage.advance();
         let files = files.into_iter();
         let files = files.map(|(name, bytes)| (folder.join(name), bytes));
@@ -277,7 +265,10 @@ impl Inputs {
     }
 
     fn crown(&self, session: &Session<'_>) -> Result<Crown, Failure> {
-        let (photo, image) = (self.photo.decoded()?, self.mask.decoded()?);
+        let (photo, image) = (
+            self.pictures.photo.decoded()?,
+            self.pictures.mask.decoded()?,
+        );
         let Recipe { seed, settings, .. } = &self.recipe;
         let (seed, progress, cancel) = (Seed(*seed), session.progress, session.cancel);
         let made = if self.recipe.regions.is_empty() {
@@ -295,7 +286,7 @@ impl Inputs {
         image: &Image<Straight>,
         session: &Session<'_>,
     ) -> Result<Vec<SubCrown>, Failure> {
-        let (regions, mask) = (&self.recipe.regions, self.mask.path());
+        let (regions, mask) = (&self.recipe.regions, self.pictures.mask.path());
         let file = self.regions_file.as_deref().unwrap_or(mask);
         let masks = region_masks(regions, file, image, mask, session)?;
         let is_named = |grey: &u8| regions.iter().any(|region| region.label == *grey);
@@ -313,13 +304,13 @@ impl Inputs {
     fn failure(&self, error: &CrownError) -> Failure {
         match error {
             error if error.is_cancelled() => Failure::Cancelled,
-            CrownError::Synthesis(_) => Failure::of(self.photo.path().display(), error),
+            CrownError::Synthesis(_) => Failure::of(self.pictures.photo.path().display(), error),
             CrownError::Setting(_) => Failure::BadInput(error.to_string()),
             CrownError::Tangent(_) => match &self.regions_file {
                 Some(file) => Failure::of(file.display(), error),
                 None => Failure::of("--k", error),
             },
-            _ => Failure::of(self.mask.path().display(), error),
+            _ => Failure::of(self.pictures.mask.path().display(), error),
         }
     }
 }

@@ -1,8 +1,7 @@
 //! `boscage cubemap`: the foliage of a photograph all around a crown.
 
 use super::failure::Failure;
-use super::input::{PictureFile, mask_from};
-use super::output::recipe;
+use super::input::{PhotoWithMask, PictureFile};
 use super::session::Session;
 use super::synthesize::FoliageFlags;
 use super::{Job, Stages};
@@ -63,21 +62,16 @@ impl Job for Flags {
             .map_err(|error| Failure::BadInput(error.to_string()))?;
         let paths = CubeFace::ALL.map(|face| folder.join(format!("{}.png", face.name())));
         session.output.check(&paths)?;
-        let stage = session.progress.stage("read", 2);
-        let photo = PictureFile::read(&self.photo)?;
-        stage.advance();
-        let mask = PictureFile::read(&self.mask)?;
-        stage.advance();
-        drop(stage);
-        let recipe = self.recipe(session, &photo, &mask)?;
+        let pictures = PhotoWithMask::read(&self.photo, &self.mask, session)?;
+        let recipe = pictures.recipe("cubemap", &crown, session)?;
         let is_kept = paths
             .iter()
             .all(|path| session.output.is_ready(path, recipe));
         let map = if is_kept {
             kept(&paths, self.size)?
         } else {
-            let mask = mask_from(&mask.decoded()?);
-            let map = self.made(session, &photo.decoded()?, &mask)?;
+            let (photo, mask) = pictures.decoded()?;
+            let map = self.made(session, &photo, &mask)?;
             self.write(session, &paths, &map, recipe)?;
             map
         };
@@ -102,23 +96,6 @@ impl Flags {
             exemplar: self.foliage.exemplar(),
             synthesis: self.foliage.synthesis(),
         }
-    }
-
-    /// What goes into the result.
-    fn recipe(
-        &self,
-        session: &Session<'_>,
-        photo: &PictureFile,
-        mask: &PictureFile,
-    ) -> Result<Digest, Failure> {
-        let settings = serde_json::to_vec(&self.crown())
-            .map_err(|error| Failure::Environment(error.to_string()))?;
-        Ok(recipe("cubemap")
-            .with(photo.digest().bytes())
-            .with(mask.digest().bytes())
-            .with(&settings)
-            .with(&session.options.seed.to_le_bytes())
-            .finish())
     }
 
     fn made(

@@ -4,6 +4,7 @@ use super::export_crown::{
     CrownExport, CrownExportSettings, ImpostorName, LeafName, crown_folders,
 };
 use super::export_pages::{write_atlas, write_flightgear};
+use super::export_shared::{Files, SAMPLES, shared_files, write_library, write_scene};
 use super::export_tree::{
     BlockName, ExportMap, ExportedTree, Sample, TextureForm, export_tree, tree_files,
 };
@@ -11,19 +12,13 @@ use super::failure::Failure;
 use super::records::{LibraryRecord, TreeRecord};
 use super::session::Session;
 use super::{Job, Stages, items};
-use crate::base::Seed;
 use crate::export::{
-    BlockFormat, LicenseRecord, Preset, PresetLibrary, PresetTree, ScatterSettings, SpriteSettings,
-    TreeModel, WindChannels, gallery_list, gallery_page, scattered,
+    BlockFormat, LicenseRecord, LodStyle, Preset, PresetTree, SpriteSettings, TreeModel,
+    WindChannels,
 };
 use clap::{Args, ValueEnum};
 use serde_json::json;
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-
-/// Trees in the sample scene, and the sides of its ground.
-const SAMPLES: usize = 6;
-const SCATTER_SIDE: u32 = 10;
 
 /// Write a library or crowns for an engine
 ///
@@ -90,6 +85,9 @@ pub(super) struct Flags {
     /// Crowns: side of an impostor's frame, in pixels
     #[arg(long, default_value_t = 256, value_name = "PX", value_parser = clap::value_parser!(u32).range(16..=1024))]
     impostor_frame: u32,
+    /// Crowns: also write the faces of the cubemaps as OpenEXR: linear colours, radii in metres
+    #[arg(long)]
+    exr: bool,
     /// Crowns: shape of the leaves on cards
     #[arg(long, value_enum, default_value_t, value_name = "SHAPE")]
     leaves: LeafName,
@@ -146,6 +144,16 @@ pub(super) struct ExportSettings {
     pub(super) wind: WindChannels,
     pub(super) rights: LicenseRecord,
     pub(super) crowns: CrownExportSettings,
+}
+
+impl ExportSettings {
+    /// How levels of detail and wind are told to the consumer.
+    pub(super) fn lod_style(&self) -> LodStyle {
+        LodStyle {
+            grouped: self.preset.groups_lods(),
+            wind: self.wind,
+        }
+    }
 }
 
 impl Job for Flags {
@@ -276,6 +284,7 @@ impl Flags {
             frames: self.impostor_frames,
             frame_px: self.impostor_frame,
             leaves: self.leaves,
+            exr: self.exr,
         })
     }
 }
@@ -301,7 +310,7 @@ impl Export<'_> {
         let files = if whole {
             self.write_shared(&records, &samples, session)?
         } else {
-            BTreeMap::new()
+            Files::new()
         };
         session.print_json(|| {
             let saved: f64 = records.iter().map(|tree| tree.cutout.overdraw_saved).sum();
@@ -338,11 +347,9 @@ impl Export<'_> {
 
     /// Files that belong to no single tree and whose names are known before the work.
     fn shared_files(&self) -> Vec<&'static str> {
-        let mut files = vec!["library.json", "README.txt"];
-        match self.settings.preset {
-            Preset::FlightGear => files.extend(["trees.png", "trees-normal.png"]),
-            Preset::Web => files.extend(["scatter.glb", "index.html", "gallery.js"]),
-            _ => files.push("scatter.glb"),
+        let mut files = shared_files(self.settings.preset);
+        if self.settings.preset == Preset::FlightGear {
+            files.extend(["trees.png", "trees-normal.png"]);
         }
         files
     }
@@ -353,9 +360,9 @@ impl Export<'_> {
         records: &[PresetTree],
         samples: &[Sample],
         session: &Session<'_>,
-    ) -> Result<BTreeMap<String, Vec<String>>, Failure> {
+    ) -> Result<Files, Failure> {
         let settings = self.settings;
-        let mut files = BTreeMap::new();
+        let mut files = Files::new();
         if settings.atlas {
             files.extend(write_atlas(settings, records, session)?);
         }
@@ -363,68 +370,15 @@ impl Export<'_> {
             files.extend(write_flightgear(settings, records, session)?);
         }
         let stage = session.progress.stage("scene", 1);
-        if !samples.is_empty() {
-            let scene = self.scene(samples, session);
-            session
-                .output
-                .write(&settings.out.join("scatter.glb"), &scene)?;
-            files.insert("scene".to_owned(), vec!["scatter.glb".to_owned()]);
-        }
-        session.cancel.check()?;
-        if settings.preset == Preset::Web {
-            let title = settings.rights.copyright();
-            let page = gallery_page(title.as_deref().unwrap_or("Trees"));
-            session
-                .output
-                .write(&settings.out.join("index.html"), page.as_bytes())?;
-            let list = gallery_list(records);
-            session
-                .output
-                .write(&settings.out.join("gallery.js"), list.as_bytes())?;
-            let names = ["index.html", "gallery.js"].map(str::to_owned);
-            files.insert("gallery".to_owned(), names.to_vec());
-        }
+        let lods = settings.preset.lods(settings.planes);
+        let models: Vec<TreeModel<'_>> = samples.iter().map(|s| s.model(&lods)).collect();
+        let widths = samples.iter().map(|sample| sample.sprite.size_m()[0]);
+        let widest = widths.fold(0.0, f64::max);
+        write_scene(settings, &models, widest, &mut files, session)?;
         let readme = settings.preset.readme();
-        session
-            .output
-            .write(&settings.out.join("README.txt"), readme.as_bytes())?;
-        let library = PresetLibrary::new(
-            settings.preset.name(),
-            settings.rights.clone(),
-            records.to_vec(),
-            files.clone(),
-        );
-        let json = library.to_json();
-        session
-            .output
-            .write(&settings.out.join("library.json"), json.as_bytes())?;
+        let files = write_library(settings, (records, &[]), readme, files, session)?;
         stage.advance();
         Ok(files)
-    }
-
-    fn scene(&self, samples: &[Sample], session: &Session<'_>) -> Vec<u8> {
-        let settings = self.settings;
-        let lods = settings.preset.lods(settings.planes);
-        let models: Vec<TreeModel<'_>> = samples
-            .iter()
-            .map(|sample| sample.model(settings, &lods))
-            .collect();
-        let widest = samples
-            .iter()
-            .map(|sample| sample.sprite.size_m()[0])
-            .fold(0.0, f64::max);
-        let scatter = ScatterSettings {
-            side: SCATTER_SIDE,
-            spacing_m: 1.1 * widest,
-            instanced: settings.preset.knows_instancing(),
-        };
-        let seed = Seed(session.options.seed);
-        scattered(
-            &models,
-            scatter,
-            seed,
-            settings.rights.copyright().as_deref(),
-        )
     }
 }
 

@@ -1,6 +1,7 @@
 //! `boscage export`: crowns → models, impostors and cubemaps.
 
 use super::export::ExportSettings;
+use super::export_shared::{Files, SAMPLES, shared_files, write_library, write_scene};
 use super::failure::Failure;
 use super::input::read_crown_and_record;
 use super::items;
@@ -10,10 +11,11 @@ use crate::base::{Digest, Seed};
 use crate::branches::sprite::LeafShape;
 use crate::export::{
     CrownModel, CrownRecord, Impostor, ImpostorForm, ImpostorRecord, ImpostorSettings, Preset,
-    PresetCrown, PresetLibrary, crown_files, encode_ktx2_colors, encode_ktx2_radii, godot_shader,
-    impostor, leaf_model, surface_model, three_module,
+    PresetCrown, crown_files, encode_exr_colors, encode_exr_values, encode_ktx2_colors,
+    encode_ktx2_radii, gallery_crown, godot_shader, impostor, leaf_model, lod_glb, portrait,
+    surface_model, three_module,
 };
-use crate::raster::{Compression, encode_png};
+use crate::raster::{Compression, CubeFace, encode_png};
 use crate::scene::Crown;
 use clap::ValueEnum;
 use serde_json::json;
@@ -73,7 +75,19 @@ pub(super) struct CrownExportSettings {
     pub(super) frames: u32,
     pub(super) frame_px: u32,
     pub(super) leaves: LeafName,
+    /// Whether faces are written as OpenEXR, too.
+    pub(super) exr: bool,
 }
+
+/// A crown that was exported.
+struct ExportedCrown {
+    record: PresetCrown,
+    /// Kept of crowns that the sample scene shows.
+    sample: Option<CrownModel>,
+}
+
+/// Side of the picture of a crown in the gallery's list.
+const THUMBNAIL_PX: u32 = 192;
 
 /// The crowns that `path` names: itself, or the folders in it that have a record; none when it holds
 /// something else.
@@ -132,16 +146,21 @@ impl CrownExport<'_> {
                 .check(files.values().map(|file| out.join(file)))?;
         }
         if whole {
-            let shared = shared_files().map(|(file, _)| file);
-            let files = shared.into_iter().chain(["library.json", "README.txt"]);
+            let shared = shared_files(self.settings.preset).into_iter();
+            let files = shared.chain(shaders().map(|(file, _)| file));
             session.output.check(files.map(|file| out.join(file)))?;
         }
-        let made = items::made(session, "export", self.crowns, |_, (name, folder)| {
-            self.export_crown(name, folder, session)
+        let indexed: Vec<(usize, &(String, PathBuf))> = self.crowns.iter().enumerate().collect();
+        let made = items::made(session, "export", &indexed, |_, (index, (name, folder))| {
+            self.export_crown(name, folder, whole && *index < SAMPLES, session)
         })?;
-        let records: Vec<PresetCrown> = made.ready.into_iter().map(|(_, crown)| crown).collect();
+        let (mut records, mut samples) = (Vec::new(), Vec::new());
+        for (_, crown) in made.ready {
+            records.push(crown.record);
+            samples.extend(crown.sample);
+        }
         if whole {
-            self.write_shared(&records, session)?;
+            self.write_shared(&records, &samples, session)?;
         }
         session.print_json(|| {
             json!({
@@ -172,6 +191,18 @@ impl CrownExport<'_> {
             let key = file.trim_end_matches(".png").trim_end_matches(".json");
             add(&format!("cubemap_{key}"), format!("cubemaps/{name}/{file}"));
         }
+        if self.settings.crowns.exr {
+            for file in exr_names() {
+                add(
+                    &format!("cubemap_{file}_exr"),
+                    format!("cubemaps/{name}/{file}.exr"),
+                );
+            }
+        }
+        if preset == Preset::Web {
+            add("gallery", format!("gallery/{name}.js"));
+            add("thumbnail", format!("gallery/{name}.png"));
+        }
         files
     }
 
@@ -179,8 +210,9 @@ impl CrownExport<'_> {
         &self,
         name: &str,
         folder: &Path,
+        is_sample: bool,
         session: &Session<'_>,
-    ) -> Result<PresetCrown, Failure> {
+    ) -> Result<ExportedCrown, Failure> {
         let settings = self.settings;
         let out = &settings.out;
         let (crown, record, digest) = read_crown_and_record(folder)?;
@@ -194,6 +226,9 @@ impl CrownExport<'_> {
         session.cancel.check()?;
         let surface = surface_model(&crown, &format!("{name}_surface"));
         session.cancel.check()?;
+        if !is_ready {
+            session.output.outdate(&last)?;
+        }
         let mut impostors = Vec::new();
         for form in &settings.crowns.impostors {
             let wanted = settings.crowns.impostor(form.form());
@@ -206,14 +241,23 @@ impl CrownExport<'_> {
             impostors.push(wanted.record(&leaves));
         }
         if !is_ready {
-            for (key, model) in [("model", &leaves), ("surface", &surface)] {
-                self.write(&files[key], &self.glb(model), session)?;
+            let model = self.glb(&leaves)?;
+            self.write(&files["model"], &model, session)?;
+            self.write(&files["surface"], &self.glb(&surface)?, session)?;
+            if let (Some(script), Some(picture)) = (files.get("gallery"), files.get("thumbnail")) {
+                self.write(script, gallery_crown(name, &model).as_bytes(), session)?;
+                let portrait = portrait(&leaves, THUMBNAIL_PX, session.cancel)?;
+                let png = encode_png(&portrait, Compression::Small);
+                self.write(picture, &png, session)?;
             }
+            self.write_exr(&crown, &files, session)?;
             self.write_cubemaps(&crown, &record, &files, made_from, session)?;
         }
-        Ok(crown_record(
-            name, &crown, record, files, &leaves, &surface, impostors,
-        ))
+        let record = crown_record(name, &crown, record, files, &leaves, &surface, impostors);
+        Ok(ExportedCrown {
+            record,
+            sample: is_sample.then_some(leaves),
+        })
     }
 
     fn write(&self, file: &str, bytes: &[u8], session: &Session<'_>) -> Result<(), Failure> {
@@ -238,6 +282,28 @@ impl CrownExport<'_> {
                 &encode_png(picture, Compression::Small),
                 session,
             )?;
+        }
+        Ok(())
+    }
+
+    /// Faces as OpenEXR, if they are asked for.
+    fn write_exr(
+        &self,
+        crown: &Crown,
+        files: &BTreeMap<String, String>,
+        session: &Session<'_>,
+    ) -> Result<(), Failure> {
+        for face in CubeFace::ALL {
+            let faces = [
+                ("color", encode_exr_colors(crown.color.face(face))),
+                ("radius", encode_exr_values(crown.radius_m.face(face))),
+            ];
+            for (kind, bytes) in faces {
+                let key = format!("cubemap_{kind}_{}_exr", face.name());
+                if let Some(file) = files.get(&key) {
+                    self.write(file, &bytes, session)?;
+                }
+            }
         }
         Ok(())
     }
@@ -278,34 +344,31 @@ impl CrownExport<'_> {
             .write_item(&folder.join(LAST), last, made_from)
     }
 
-    fn glb(&self, model: &CrownModel) -> Vec<u8> {
-        let settings = self.settings;
-        model.glb(
-            settings.preset.groups_lods(),
-            settings.wind == crate::export::WindChannels::AttributeAndColors,
-            settings.rights.copyright().as_deref(),
-        )
+    fn glb(&self, model: &CrownModel) -> Result<Vec<u8>, Failure> {
+        let copyright = self.settings.rights.copyright();
+        lod_glb(model, self.settings.lod_style(), copyright.as_deref())
+            .map_err(|error| Failure::of(&model.name, error))
     }
 
-    /// Sample shaders, README and, last, `library.json`.
-    fn write_shared(&self, records: &[PresetCrown], session: &Session<'_>) -> Result<(), Failure> {
+    /// Sample shaders and scene, gallery, README and, last, `library.json`.
+    fn write_shared(
+        &self,
+        records: &[PresetCrown],
+        samples: &[CrownModel],
+        session: &Session<'_>,
+    ) -> Result<(), Failure> {
         let stage = session.progress.stage("scene", 1);
-        let mut files = BTreeMap::new();
-        for (file, text) in shared_files() {
+        let mut files = Files::new();
+        for (file, text) in shaders() {
             self.write(file, text.as_bytes(), session)?;
             let key = file.rsplit('.').next().unwrap_or_default();
             files.insert(format!("impostor_{key}"), vec![file.to_owned()]);
         }
+        let widths = records.iter().map(|crown| crown.size_m[0]);
+        let widest = widths.fold(0.0, f64::max);
+        write_scene(self.settings, samples, widest, &mut files, session)?;
         let readme = self.settings.preset.crown_readme();
-        self.write("README.txt", readme.as_bytes(), session)?;
-        let mut library = PresetLibrary::new(
-            self.settings.preset.name(),
-            self.settings.rights.clone(),
-            Vec::new(),
-            files,
-        );
-        library.crowns = records.to_vec();
-        self.write("library.json", library.to_json().as_bytes(), session)?;
+        write_library(self.settings, (&[], records), &readme, files, session)?;
         stage.advance();
         Ok(())
     }
@@ -344,8 +407,8 @@ impl CrownExportSettings {
     }
 }
 
-/// Files that belong to no single crown, with their text.
-fn shared_files() -> [(&'static str, &'static str); 2] {
+/// Sample shaders of impostors, with their text.
+fn shaders() -> [(&'static str, &'static str); 2] {
     [
         ("shaders/impostor.gdshader", godot_shader()),
         ("shaders/impostor.js", three_module()),
@@ -357,6 +420,14 @@ fn cubemap_files() -> Vec<String> {
     let names = crate::export::crown_file_names().into_iter();
     names
         .filter(|name| name.ends_with(".png") || name.ends_with(".json"))
+        .collect()
+}
+
+/// Names of the faces that are written as OpenEXR, without ending.
+fn exr_names() -> Vec<String> {
+    let kinds = ["color", "radius"].into_iter();
+    kinds
+        .flat_map(|kind| CubeFace::ALL.map(|face| format!("{kind}_{}", face.name())))
         .collect()
 }
 

@@ -1,6 +1,7 @@
 //! `boscage export`: atlas pages of all trees, from the textures written before.
 
 use super::export::ExportSettings;
+use super::export_shared::Files;
 use super::failure::Failure;
 use super::input::PictureFile;
 use super::session::Session;
@@ -14,9 +15,6 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 use super::export_tree::{TextureForm, encoded_textures};
-
-/// Lists of files by what they are.
-type Files = BTreeMap<String, Vec<String>>;
 
 /// One picture of a tree, cut to its frame and made small.
 fn small(

@@ -10,7 +10,7 @@ use crate::base::Digest;
 use crate::export::{
     BlockFormat, CompressedLevels, Cutout, CutoutRecord, GalleryTree, Material, Preset, PresetTree,
     Sprite, TextureStyle, TreeModel, cutout, data_mips, encode_dds, encode_ktx2, gallery_tree,
-    mips, normal_mips, tree_glb,
+    lod_glb, mips, normal_mips,
 };
 use crate::geometry::Point;
 use crate::pipeline::{DEPTH_SHARE, TreeMaps, tree_maps};
@@ -115,27 +115,20 @@ pub(super) struct Sample {
 
 impl Sample {
     /// The tree as a model with the levels of `settings`.
-    pub(super) fn model<'a>(
-        &'a self,
-        settings: &ExportSettings,
-        lods: &'a [crate::export::Lod],
-    ) -> TreeModel<'a> {
+    pub(super) fn model<'a>(&'a self, lods: &'a [crate::export::Lod]) -> TreeModel<'a> {
         let png = |map: &str| self.pngs.get(map).map(Vec::as_slice);
         TreeModel {
             name: &self.name,
             sprite: &self.sprite,
             cutout: &self.cutout,
             material: Material {
-                name: &self.name,
-                albedo: png("albedo").unwrap_or_default(),
+                albedo: png("albedo"),
                 normal: png("normal"),
                 occlusion: png("ao"),
                 is_solid: false,
-                is_double_sided: false,
+                ..Material::white(&self.name)
             },
             lods,
-            grouped: settings.preset.groups_lods(),
-            wind: settings.wind,
         }
     }
 }
@@ -214,11 +207,14 @@ pub(super) fn export_tree(
         pngs,
     };
     if !is_ready {
+        session.output.outdate(&albedo)?;
         write_textures(settings, &files, &images, &sample, session)?;
         if let Some(model) = files.get("model") {
             let lods = settings.preset.lods(settings.planes);
-            let model_of = sample.model(settings, &lods);
-            let bytes = tree_glb(&model_of, settings.rights.copyright().as_deref());
+            let model_of = sample.model(&lods);
+            let copyright = settings.rights.copyright();
+            let bytes = lod_glb(&model_of, settings.lod_style(), copyright.as_deref());
+            let bytes = bytes.map_err(|error| Failure::of(name, error))?;
             session.output.write(&settings.out.join(model), &bytes)?;
         }
         if let Some(script) = files.get("gallery") {

@@ -1,9 +1,9 @@
 //! `boscage inflate`: a mask becomes a base mesh.
 
 use super::failure::Failure;
-use super::input::PictureFile;
+use super::input::{PictureFile, coverage};
 use super::output::recipe;
-use super::regions::{Region, from_json, grey, region_masks, regions_from, usual_k};
+use super::regions::{Region, from_json, region_masks, regions_from, usual_k};
 use super::session::Session;
 use super::{Job, Stages};
 use crate::base::Digest;
@@ -12,7 +12,7 @@ use crate::crown::{
     SubCrown, Tangent, base_mesh, copies_merged, crown_center, envelope, into_world, star_cells,
     sub_crowns_merged,
 };
-use crate::export::{MeshParts, glb, obj};
+use crate::export::{Glb, Material, ModelMesh, obj};
 use crate::geometry::{Mesh, Topology};
 use crate::raster::{Image, Mask, Premultiplied, Rect, Straight, opaque_bounds, resized};
 use clap::{Args, ValueEnum};
@@ -365,11 +365,16 @@ impl Flags {
             return Ok(obj(mesh, told));
         }
         let upright = into_world(mesh, bounds, self.metres_per_pixel(bounds), 0.0).without_unused();
-        let parts = MeshParts {
-            base_color: FOLIAGE,
-            ..MeshParts::new("crown", &upright)
-        };
-        glb(&[parts]).map_err(|error| Failure::of(self.mask.display(), error))
+        let mut glb = Glb::new(None);
+        let green = glb.material(&Material {
+            color: FOLIAGE,
+            ..Material::white("crown")
+        });
+        let crown = glb.mesh("crown", &ModelMesh::from(&upright), green, false);
+        let node = glb.node("crown", crown);
+        glb.show(node);
+        let bytes = glb.into_bytes();
+        bytes.map_err(|error| Failure::of(self.mask.display(), error))
     }
 
     /// Whether the mesh begins with the pixels of the mask.
@@ -423,15 +428,6 @@ fn format_of(out: &Path) -> Result<Format, Failure> {
     }
 }
 
-/// How far each pixel belongs, 0 … 255: its alpha if the picture has clear pixels, else its grey.
-fn coverage(image: &Image<Straight>) -> Image<u8> {
-    if image.pixels().iter().any(|pixel| pixel.alpha() < 255) {
-        image.map(|pixel| pixel.alpha())
-    } else {
-        grey(image)
-    }
-}
-
 /// The mask of what is covered by half or more, its longer side scaled to `size` pixels.
 fn scaled(coverage: &Image<u8>, size: u32) -> Mask {
     let (width, height) = (coverage.width(), coverage.height());
@@ -478,21 +474,5 @@ mod tests {
         assert_eq!((twice.width(), twice.height(), twice.count()), (12, 6, 72));
         let line = scaled(&Image::filled(1000, 1, 255u8), 100);
         assert_eq!((line.width(), line.height()), (100, 1));
-    }
-
-    #[test]
-    fn alpha_counts_only_where_something_is_clear() {
-        let opaque = Image::from_pixels(
-            2,
-            1,
-            vec![Straight([200, 200, 200, 255]), Straight([0, 0, 0, 255])],
-        );
-        assert_eq!(coverage(&opaque).pixels(), &[200, 0]);
-        let clear = Image::from_pixels(
-            2,
-            1,
-            vec![Straight([0, 0, 0, 255]), Straight([255, 255, 255, 0])],
-        );
-        assert_eq!(coverage(&clear).pixels(), &[255, 0]);
     }
 }

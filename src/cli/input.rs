@@ -1,10 +1,14 @@
 //! Input files, read once: the same bytes are hashed and decoded.
 
 use super::failure::Failure;
+use super::output::recipe;
+use super::regions::grey;
+use super::session::Session;
 use crate::base::{Digest, FileError, Hasher, read_limited};
 use crate::export::{CrownFolderError, CrownRecord, crown_from_files};
 use crate::raster::{Image, Mask, ReadLimits, Straight, read_image_from_memory};
 use crate::scene::Crown;
+use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 /// A picture file that was read but not decoded yet.
@@ -48,14 +52,68 @@ impl PictureFile {
     }
 }
 
-/// The mask that `picture` shows: where it is opaque, if any of it is clear, else where its red is
-/// 128 or more.
+/// The two files that a crown or a texture is made from.
+pub(super) struct PhotoWithMask {
+    pub(super) photo: PictureFile,
+    pub(super) mask: PictureFile,
+}
+
+impl PhotoWithMask {
+    /// Reads both, as the stage `read`.
+    ///
+    /// # Errors
+    /// As [`read_limited`].
+    pub(super) fn read(photo: &Path, mask: &Path, session: &Session<'_>) -> Result<Self, Failure> {
+        let stage = session.progress.stage("read", 2);
+        let photo = PictureFile::read(photo)?;
+        stage.advance();
+        let mask = PictureFile::read(mask)?;
+        stage.advance();
+        Ok(Self { photo, mask })
+    }
+
+    /// The digest of what `command` makes of them with `settings`.
+    ///
+    /// # Errors
+    /// [`Failure::Environment`] when the settings cannot be written as JSON.
+    pub(super) fn recipe(
+        &self,
+        command: &str,
+        settings: &impl Serialize,
+        session: &Session<'_>,
+    ) -> Result<Digest, Failure> {
+        let settings = serde_json::to_vec(settings)
+            .map_err(|error| Failure::Environment(error.to_string()))?;
+        Ok(recipe(command)
+            .with(self.photo.digest().bytes())
+            .with(self.mask.digest().bytes())
+            .with(&settings)
+            .with(&session.options.seed.to_le_bytes())
+            .finish())
+    }
+
+    /// The photograph, and the mask that the other file shows.
+    ///
+    /// # Errors
+    /// As [`read_image_from_memory`].
+    pub(super) fn decoded(&self) -> Result<(Image<Straight>, Mask), Failure> {
+        Ok((self.photo.decoded()?, mask_from(&self.mask.decoded()?)))
+    }
+}
+
+/// How far each pixel of a mask file belongs to the mask, 0 … 255: its alpha if the picture has clear
+/// pixels, else its grey. All commands read masks so.
+pub(super) fn coverage(picture: &Image<Straight>) -> Image<u8> {
+    if picture.pixels().iter().any(|pixel| pixel.alpha() < 255) {
+        picture.map(|pixel| pixel.alpha())
+    } else {
+        grey(picture)
+    }
+}
+
+/// The mask that `picture` shows: where its [`coverage`] is 128 or more.
 pub(super) fn mask_from(picture: &Image<Straight>) -> Mask {
-    let has_alpha = picture.pixels().iter().any(|pixel| pixel.alpha() < 255);
-    picture.map(|pixel| {
-        let value = if has_alpha { pixel.alpha() } else { pixel.0[0] };
-        value >= 128
-    })
+    coverage(picture).map(|&value| value >= 128)
 }
 
 /// Largest file of a crown's folder that is read.
@@ -104,5 +162,31 @@ impl From<FileError> for CrownReadFailure {
 impl From<CrownFolderError> for CrownReadFailure {
     fn from(error: CrownFolderError) -> Self {
         Self::Content(error)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(pixels: &[[u8; 4]]) -> Image<Straight> {
+        let pixels: Vec<Straight> = pixels.iter().copied().map(Straight).collect();
+        Image::from_pixels(pixels.len() as u32, 1, pixels)
+    }
+
+    #[test]
+    fn alpha_counts_only_where_something_is_clear() {
+        let opaque = row(&[[200, 200, 200, 255], [0, 0, 0, 255], [0, 255, 0, 255]]);
+        assert_eq!(coverage(&opaque).pixels(), &[200, 0, 85]);
+        let clear = row(&[[0, 0, 0, 255], [255, 255, 255, 0]]);
+        assert_eq!(coverage(&clear).pixels(), &[255, 0]);
+    }
+
+    #[test]
+    fn a_mask_begins_at_half() {
+        let grey = row(&[[127, 127, 127, 255], [128, 128, 128, 255]]);
+        assert_eq!(mask_from(&grey).pixels(), &[false, true]);
+        let alpha = row(&[[255, 255, 255, 127], [0, 0, 0, 128]]);
+        assert_eq!(mask_from(&alpha).pixels(), &[false, true]);
     }
 }

@@ -21,6 +21,7 @@ mod exemplars;
 mod export;
 mod export_crown;
 mod export_pages;
+mod export_shared;
 mod export_tree;
 mod failure;
 mod inflate;

@@ -113,6 +113,21 @@ impl Output {
         self.write_item(path, stamp::noted(bytes, note), recipe)
     }
 
+    /// Takes away an item that is to be made again before the files that belong to it are replaced: a
+    /// run that is killed on the way must not leave the mark of the old ones beside new ones.
+    ///
+    /// # Errors
+    /// As [`Output::write_item`].
+    pub(super) fn outdate(&self, path: &Path) -> Result<(), Failure> {
+        self.check([path])?;
+        match std::fs::remove_file(path) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                Err(Failure::of(path.display(), error))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Writes an item of a job, atomically; a PNG file carries its `recipe`, see [`recipe`].
     ///
     /// # Errors

@@ -1,8 +1,7 @@
 //! `boscage synthesize`: the foliage of a photograph as a texture of any size.
 
 use super::failure::Failure;
-use super::input::PictureFile;
-use super::output::recipe;
+use super::input::PhotoWithMask;
 use super::session::Session;
 use super::{Job, Stages};
 use crate::base::{Digest, Seed};
@@ -103,21 +102,6 @@ impl FoliageFlags {
     }
 }
 
-/// The crown that a mask file shows: what is opaque in a file with alpha, what is light otherwise.
-pub(super) fn crown_mask(picture: &Image<Straight>) -> Mask {
-    let has_alpha = picture.pixels().iter().any(|pixel| pixel.alpha() < 255);
-    picture.map(|pixel| match has_alpha {
-        true => pixel.alpha() >= 128,
-        false => {
-            pixel.0[..3]
-                .iter()
-                .map(|&value| u32::from(value))
-                .sum::<u32>()
-                >= 3 * 128
-        }
-    })
-}
-
 impl Job for Flags {
     fn stages(&self) -> Stages {
         &[
@@ -136,21 +120,21 @@ impl Job for Flags {
         }
         session.output.check([out])?;
         session.output.check(&self.exemplar)?;
-        let stage = session.progress.stage("read", 2);
-        let photo = PictureFile::read(&self.photo)?;
-        stage.advance();
-        let mask = PictureFile::read(&self.mask)?;
-        stage.advance();
-        drop(stage);
-        let recipe = self.recipe(session, &photo, &mask)?;
+        let pictures = PhotoWithMask::read(&self.photo, &self.mask, session)?;
+        let settings = (
+            self.foliage.exemplar(),
+            self.synthesis(),
+            [self.width, self.height],
+        );
+        let recipe = pictures.recipe("synthesize", &settings, session)?;
         let kept = self.exemplar.iter().map(PathBuf::as_path).chain([out]);
         let mut statistics = Value::Null;
         if !kept
             .into_iter()
             .all(|path| session.output.is_ready(path, recipe))
         {
-            let mask = crown_mask(&mask.decoded()?);
-            statistics = self.make(session, &photo.decoded()?, &mask, (out, recipe))?;
+            let (photo, mask) = pictures.decoded()?;
+            statistics = self.make(session, &photo, &mask, (out, recipe))?;
         }
         session.print_json(|| {
             json!({
@@ -172,26 +156,6 @@ impl Flags {
             tiles_x: self.tile,
             ..self.foliage.synthesis()
         }
-    }
-
-    /// What goes into the result.
-    fn recipe(
-        &self,
-        session: &Session<'_>,
-        photo: &PictureFile,
-        mask: &PictureFile,
-    ) -> Result<Digest, Failure> {
-        let settings = (self.foliage.exemplar(), self.synthesis());
-        let settings = serde_json::to_vec(&settings)
-            .map_err(|error| Failure::Environment(error.to_string()))?;
-        let numbers = [self.width, self.height].map(u32::to_le);
-        Ok(recipe("synthesize")
-            .with(photo.digest().bytes())
-            .with(mask.digest().bytes())
-            .with(bytemuck::bytes_of(&numbers))
-            .with(&settings)
-            .with(&session.options.seed.to_le_bytes())
-            .finish())
     }
 
     /// Makes and writes the texture; its statistics when they are asked for.
@@ -261,15 +225,6 @@ fn statistics(exemplar: &Exemplar, texture: &Texture) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_mask_is_read_from_alpha_or_from_light() {
-        let light = Image::from_pixels(2, 1, vec![Straight([255; 4]), Straight([0, 0, 0, 255])]);
-        assert_eq!(crown_mask(&light).pixels(), &[true, false]);
-        let alpha =
-            Image::from_pixels(2, 1, vec![Straight([0, 0, 0, 255]), Straight([9, 9, 9, 0])]);
-        assert_eq!(crown_mask(&alpha).pixels(), &[true, false]);
-    }
 
     #[test]
     fn shares_are_numbers_from_0_to_1() {

@@ -124,11 +124,7 @@ fn draw_line(mask: &mut Mask, a: Point, b: Point) {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn mask(rows: &[&str]) -> Mask {
-        let pixels = rows.iter().flat_map(|row| row.bytes().map(|b| b == b'#'));
-        Image::from_pixels(rows[0].len() as u32, rows.len() as u32, pixels.collect())
-    }
+    use crate::raster::mask;
 
     #[test]
     fn a_ring_has_an_outer_border_and_a_hole_inside_it() {

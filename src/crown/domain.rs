@@ -16,6 +16,18 @@ use crate::raster::{Image, Mask, Rect, opaque_bounds};
 /// The four neighbours of a pixel.
 const NEIGHBOURS: [(i64, i64); 4] = [(0, -1), (-1, 0), (1, 0), (0, 1)];
 
+/// The eight neighbours of a pixel, by eighths of a turn from +x towards +y.
+pub(super) const AROUND: [(i64, i64); 8] = [
+    (1, 0),
+    (1, 1),
+    (0, 1),
+    (-1, 1),
+    (-1, 0),
+    (-1, -1),
+    (0, -1),
+    (1, -1),
+];
+
 /// A pixel just outside the mask.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RingPixel {

@@ -10,7 +10,7 @@
 //! why the linear system exists: slow, and far from converged after the 2N = 2000 steps of the
 //! thesis: only a border of some tens of pixels rises.
 
-use super::domain::Domain;
+use super::domain::{AROUND, Domain};
 use super::inflation::{InflationError, Sheet};
 use super::surface::{NO_PIXEL, numbered};
 use crate::base::{Cancel, Progress};
@@ -94,18 +94,8 @@ impl Web {
     fn new(domain: &Domain, k_of_ring: &[f64]) -> Self {
         let numbers = numbered(domain.mask());
         let number = |x: i64, y: i64| numbers.get(x, y).unwrap_or(NO_PIXEL);
-        let steps = [
-            (1, 0),
-            (1, 1),
-            (0, 1),
-            (-1, 1),
-            (-1, 0),
-            (-1, -1),
-            (0, -1),
-            (1, -1),
-        ];
         let around = |&(x, y): &(u32, u32)| {
-            steps.map(|(dx, dy)| number(i64::from(x) + dx, i64::from(y) + dy))
+            AROUND.map(|(dx, dy)| number(i64::from(x) + dx, i64::from(y) + dy))
         };
         let mut sums = vec![(0.0, 0u32); domain.pixels().len()];
         for (pixel, k) in domain.ring().iter().zip(k_of_ring) {

@@ -15,6 +15,7 @@
 //! green the phase (one value a card, so that crossed cards do not move as one), blue how far the
 //! whole sways (0 at the foot, 1 at the top, growing with the square of the height).
 
+use super::model_mesh::ModelMesh;
 use super::sprite::Sprite;
 use crate::geometry::Point;
 
@@ -98,28 +99,10 @@ impl Flat {
     }
 }
 
-/// A mesh for an engine, one entry of each list a vertex.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct CardMesh {
-    /// In metres.
-    pub positions: Vec<[f32; 3]>,
-    /// Of unit length.
-    pub normals: Vec<[f32; 3]>,
-    /// Unit vector along the picture's x, and the sign of the bitangent; none where no normal map is
-    /// used.
-    pub tangents: Vec<[f32; 4]>,
-    /// (0, 0) top left.
-    pub uvs: Vec<[f32; 2]>,
-    /// Edge flutter, phase, sway; each 0 … 1.
-    pub wind: Vec<[f32; 3]>,
-    /// Three a triangle, counter-clockwise as seen from the front.
-    pub indices: Vec<u32>,
-}
-
 /// `planes` copies of `flat`, crossed about the trunk; one is a plain billboard. The sides of a card
 /// follow one another, the front first.
-pub fn crossed(sprite: &Sprite, flat: &Flat, planes: u32) -> CardMesh {
-    let mut mesh = CardMesh::default();
+pub fn crossed(sprite: &Sprite, flat: &Flat, planes: u32) -> ModelMesh {
+    let mut mesh = ModelMesh::default();
     for plane in 0..planes {
         let share = f64::from(plane) / f64::from(planes);
         for side in [1.0, -1.0] {
@@ -130,7 +113,7 @@ pub fn crossed(sprite: &Sprite, flat: &Flat, planes: u32) -> CardMesh {
 }
 
 /// Adds one side of the card turned by `share` · 180°: `side` is 1 for the front, −1 for the back.
-fn add_side(mesh: &mut CardMesh, sprite: &Sprite, flat: &Flat, share: f64, side: f64) {
+fn add_side(mesh: &mut ModelMesh, sprite: &Sprite, flat: &Flat, share: f64, side: f64) {
     let [top_left, bottom_right] = sprite.corners().map(|corner| sprite.metres(corner));
     let reach = top_left.x.abs().max(bottom_right.x.abs()).max(1e-9);
     let top = top_left.y.max(1e-9);

@@ -5,12 +5,11 @@
 //! positions and normals are those of the closed mesh, so that no edge shows.
 
 use super::atlas::{AtlasLayout, atlas};
-use super::glb::{GlbError, MeshParts, glb};
+use super::glb::{Glb, GlbError, Material};
+use super::model_mesh::{ModelMesh, singles};
 use crate::crown::{CubeSphere, cube_sphere, grid_line};
-use crate::geometry::Mesh;
 use crate::raster::{Compression, CubeFace, encode_png};
 use crate::scene::Crown;
-use glam::DVec3;
 
 /// Cells along a face: two texels each, and 100,000 triangles at most. Colour carries the detail
 /// below that.
@@ -26,48 +25,51 @@ const MOST_CELLS: u32 = 96;
 pub fn crown_glb(crown: &Crown) -> Result<Vec<u8>, GlbError> {
     let cells = (crown.color.size() / TEXELS_OF_CELL).clamp(8, MOST_CELLS);
     let sphere = cube_sphere(&crown.radius_m, crown.center_m, cells);
-    let layout = AtlasLayout::new(crown.color.size());
-    let (mesh, normals, uvs) = divided(&sphere, layout);
+    let mesh = divided(&sphere, AtlasLayout::new(crown.color.size()));
     let png = encode_png(&atlas(&crown.color), Compression::Small);
-    glb(&[MeshParts {
-        normals: Some(&normals),
-        uvs: Some(&uvs),
-        base_color_png: Some(&png),
-        ..MeshParts::new("crown", &mesh)
-    }])
+    let mut glb = Glb::new(None);
+    let material = glb.material(&Material {
+        albedo: Some(&png),
+        ..Material::white("crown")
+    });
+    let mesh = glb.mesh("crown", &mesh, material, false);
+    let node = glb.node("crown", mesh);
+    glb.show(node);
+    glb.into_bytes()
 }
 
 /// The mesh with its vertices standing once for each face that has them, their normals and their
 /// texture coordinates.
-pub(super) fn divided(
-    sphere: &CubeSphere,
-    layout: AtlasLayout,
-) -> (Mesh, Vec<DVec3>, Vec<[f32; 2]>) {
-    let welded = sphere.mesh.vertex_normals();
-    let (mut mesh, mut normals, mut uvs) = (Mesh::default(), Vec::new(), Vec::new());
+pub(super) fn divided(sphere: &CubeSphere, layout: AtlasLayout) -> ModelMesh {
+    let welded = singles(&sphere.mesh.vertex_normals());
+    let positions = singles(&sphere.mesh.positions);
+    let mut mesh = ModelMesh::default();
     let line = sphere.cells + 1;
     let triangles_of_face = sphere.mesh.triangles.len() / CubeFace::ALL.len();
     let faces = sphere.mesh.triangles.chunks(triangles_of_face);
     for ((face, grid), triangles) in CubeFace::ALL.into_iter().zip(&sphere.grids).zip(faces) {
         let first = mesh.positions.len() as u32;
-        let mut places = vec![0; sphere.mesh.positions.len()];
+        let mut places = vec![0; positions.len()];
         for (at, &vertex) in (0u32..).zip(grid) {
             places[vertex as usize] = first + at;
-            mesh.positions.push(sphere.mesh.positions[vertex as usize]);
-            normals.push(welded[vertex as usize]);
+            mesh.positions.push(positions[vertex as usize]);
+            mesh.normals.push(welded[vertex as usize]);
             let [u, v] = [at % line, at / line].map(|i| grid_line(i, sphere.cells));
-            uvs.push(layout.texture_coordinates(face, u, v));
+            mesh.uvs.push(layout.texture_coordinates(face, u, v));
         }
-        let renamed = |triangle: &[u32; 3]| triangle.map(|vertex| places[vertex as usize]);
-        mesh.triangles.extend(triangles.iter().map(renamed));
+        let corners = triangles.as_flattened().iter();
+        mesh.indices
+            .extend(corners.map(|&vertex| places[vertex as usize]));
     }
-    (mesh, normals, uvs)
+    mesh
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Mesh;
     use crate::raster::{Cubemap, Straight};
+    use glam::DVec3;
 
     #[test]
     fn the_file_opens_and_its_texture_shows_the_colour_of_each_direction() {

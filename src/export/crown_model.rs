@@ -6,12 +6,12 @@
 //! the one before.
 
 use super::atlas::{AtlasLayout, atlas};
-use super::cards::CardMesh;
 use super::crown_mesh::divided;
-use super::glb_file::{Glb, Material, NodeId};
+use super::glb::{Glb, Material, MeshId};
 use super::leaf_cards::{LeafCards, averaged};
+use super::lod_model::{LodModel, WindChannels};
+use super::model_mesh::ModelMesh;
 use super::stem::{Stand, bark_picture, stem};
-use super::tree_model::screen_coverage;
 use crate::base::Seed;
 use crate::branches::sprite::LeafShape;
 use crate::crown::cube_sphere;
@@ -57,7 +57,7 @@ pub struct CrownModel {
     /// What parts refer to.
     pub materials: Vec<ModelMaterial>,
     /// Levels from fine to coarse; each a list of parts with the index of their material.
-    pub levels: Vec<Vec<(usize, CardMesh)>>,
+    pub levels: Vec<Vec<(usize, ModelMesh)>>,
 }
 
 /// The crown's surface, opaque, in four levels from 49,000 to 768 triangles, on its stem.
@@ -143,37 +143,24 @@ fn surface(
     cells: u32,
     layout: AtlasLayout,
     stand: &Stand,
-) -> CardMesh {
+) -> ModelMesh {
     let sphere = cube_sphere(radius, crown.center_m + stand.shift, cells);
-    let (mesh, normals, uvs) = divided(&sphere, layout);
-    let reach = mesh
-        .positions
-        .iter()
-        .map(|p| libm::hypot(p.x, p.z))
-        .fold(1e-9, f64::max);
-    let wind = |at: &DVec3| {
-        let edge = libm::hypot(at.x, at.z) / reach;
+    let places = sphere.mesh.positions.iter();
+    let reach = places.fold(1e-9, |reach, p| libm::hypot(p.x, p.z).max(reach));
+    let mut mesh = divided(&sphere, layout);
+    let wind = |&[x, y, z]: &[f32; 3]| {
+        let edge = libm::hypot(f64::from(x), f64::from(z)) / reach;
         // One phase: a closed surface that moved in parts would tear.
-        [edge, 0.0, stand.sway(at.y)].map(|weight| weight as f32)
+        [edge, 0.0, stand.sway(f64::from(y))].map(|weight| weight as f32)
     };
-    CardMesh {
-        wind: mesh.positions.iter().map(wind).collect(),
-        positions: singles(&mesh.positions),
-        normals: singles(&normals),
-        tangents: Vec::new(),
-        uvs,
-        indices: mesh.triangles.into_flattened(),
-    }
-}
-
-fn singles(values: &[DVec3]) -> Vec<[f32; 3]> {
-    values.iter().map(|v| v.as_vec3().to_array()).collect()
+    mesh.wind = mesh.positions.iter().map(wind).collect();
+    mesh
 }
 
 impl CrownModel {
     /// Triangles of each level.
     pub fn triangles(&self) -> Vec<usize> {
-        let of = |level: &Vec<(usize, CardMesh)>| {
+        let of = |level: &Vec<(usize, ModelMesh)>| {
             level.iter().map(|(_, mesh)| mesh.indices.len() / 3).sum()
         };
         self.levels.iter().map(of).collect()
@@ -190,37 +177,38 @@ impl CrownModel {
         }
         [low, high]
     }
+}
 
-    /// The bytes of a `.glb` file. `grouped`: all levels side by side under one node, for importers
-    /// that group them by name; otherwise behind the first (`MSFT_lod`). `colors`: wind weights also
-    /// as vertex colours.
-    pub fn glb(&self, grouped: bool, colors: bool, copyright: Option<&str>) -> Vec<u8> {
-        let mut glb = Glb::new(copyright);
-        for material in &self.materials {
-            let name = format!("{}_{}", self.name, material.name);
+impl LodModel for CrownModel {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn level_count(&self) -> usize {
+        self.levels.len()
+    }
+
+    fn add_materials(&self, glb: &mut Glb) -> Vec<usize> {
+        let add = |material: &ModelMaterial| {
+            let png = encode_png(&material.picture, Compression::Small);
             glb.material(&Material {
-                name: &name,
-                albedo: &encode_png(&material.picture, Compression::Small),
-                normal: None,
-                occlusion: None,
+                albedo: Some(&png),
                 is_solid: material.is_solid,
-                is_double_sided: !material.is_solid,
-            });
-        }
-        let mut nodes: Vec<NodeId> = Vec::new();
-        for (level, parts) in self.levels.iter().enumerate() {
-            let name = format!("{}_LOD{level}", self.name);
-            let parts: Vec<(usize, &CardMesh)> = parts.iter().map(|(m, mesh)| (*m, mesh)).collect();
-            let mesh = glb.parts(&name, &parts, colors);
-            nodes.push(glb.node(&name, mesh));
-        }
-        if grouped {
-            let root = glb.group(&self.name, &nodes);
-            glb.show(root);
-        } else {
-            glb.levels_of_detail(nodes[0], &nodes[1..], &screen_coverage(nodes.len()));
-            glb.show(nodes[0]);
-        }
-        glb.into_bytes()
+                ..Material::white(&format!("{}_{}", self.name, material.name))
+            })
+        };
+        self.materials.iter().map(add).collect()
+    }
+
+    fn add_level(
+        &self,
+        glb: &mut Glb,
+        materials: &[usize],
+        level: usize,
+        wind: WindChannels,
+    ) -> MeshId {
+        let parts = self.levels[level].iter();
+        let parts: Vec<_> = parts.map(|(own, mesh)| (materials[*own], mesh)).collect();
+        glb.parts(&self.level_name(level), &parts, wind.has_colors())
     }
 }

@@ -5,9 +5,10 @@
 //! may be loaded. So each tree is a script that holds its pictures as data, loaded when the tree is
 //! looked at; the page shows the plain PNG files as thumbnails. The viewer (`gallery/viewer.js`)
 //! raises the picture by its depth map, front and back, and lights it by its normal map; without a
-//! depth map it crosses three cards.
+//! depth map it crosses three cards. Of a crown the script holds the GLB file, of which the viewer
+//! draws the finest level.
 
-use super::record::PresetTree;
+use super::record::{PresetCrown, PresetTree};
 use serde_json::{Value, json};
 
 const PAGE: &str = include_str!("gallery/index.html");
@@ -36,9 +37,9 @@ pub fn gallery_page(title: &str) -> String {
         .replace("{{viewer}}", VIEWER)
 }
 
-/// The list of all trees, `gallery.js`.
-pub fn gallery_list(trees: &[PresetTree]) -> String {
-    let entry = |tree: &PresetTree| {
+/// The list of all trees and crowns, `gallery.js`.
+pub fn gallery_list(trees: &[PresetTree], crowns: &[PresetCrown]) -> String {
+    let tree = |tree: &PresetTree| {
         json!({
             "name": tree.name,
             "thumbnail": tree.files.get("albedo"),
@@ -46,8 +47,23 @@ pub fn gallery_list(trees: &[PresetTree]) -> String {
             "size_m": tree.size_m,
         })
     };
-    let list: Vec<Value> = trees.iter().map(entry).collect();
+    let crown = |crown: &PresetCrown| {
+        json!({
+            "name": crown.name,
+            "thumbnail": crown.files.get("thumbnail"),
+            "script": crown.files.get("gallery"),
+            "size_m": &crown.size_m[..2],
+        })
+    };
+    let crowns = crowns.iter().map(crown);
+    let list: Vec<Value> = trees.iter().map(tree).chain(crowns).collect();
     format!("gallery.trees({});\n", script_safe(&json!(list)))
+}
+
+/// The script of the crown `name` from its model, a GLB file whose finest level is `NAME_LOD0`.
+pub fn gallery_crown(name: &str, glb: &[u8]) -> String {
+    let value = json!({"name": name, "glb": base64(glb)});
+    format!("gallery.tree({});\n", script_safe(&value))
 }
 
 /// The script of one tree.

@@ -1,50 +1,62 @@
-//! Binary glTF 2.0 (Khronos, 2021): one file with meshes, normals, texture coordinates, colours and
-//! textures, in metres, +Y up.
+//! glTF 2.0 in its binary form: one file with scene, geometry and pictures.
 //!
-//! One buffer, each run of numbers aligned to four bytes and in its own view; positions carry their
-//! bounds, as the format demands. One node, mesh and material a part. Numbers are written in single
-//! precision.
+//! The JSON is put together as plain values rather than through typed structures: half of what is
+//! written here are extensions (`MSFT_lod`, `EXT_mesh_gpu_instancing`) and custom attributes, which
+//! the typed crates do not know. Frame: +Y up, front +Z, metres, texture coordinates from the top
+//! left, counter-clockwise triangles.
 
-use crate::geometry::Mesh;
-use glam::DVec3;
-use gltf_json::accessor::{Accessor, ComponentType, GenericComponentType, Type};
-use gltf_json::buffer::{Target, View};
-use gltf_json::material::{PbrBaseColorFactor, PbrMetallicRoughness, StrengthFactor};
-use gltf_json::mesh::{Mode, Primitive, Semantic};
-use gltf_json::validation::{Checked, USize64};
-use gltf_json::{Image, Index, Material, Node, Root, Scene, Texture, texture};
-use std::collections::BTreeMap;
+use super::model_mesh::ModelMesh;
+use serde_json::{Map, Value, json};
 
-/// What one mesh of a file is made of.
-#[derive(Debug, Clone, Copy)]
-pub struct MeshParts<'a> {
-    /// Its name in the file.
+/// `ARRAY_BUFFER` and `ELEMENT_ARRAY_BUFFER`.
+const VERTICES: u32 = 34962;
+const INDICES: u32 = 34963;
+
+/// `FLOAT`, `UNSIGNED_SHORT`, `UNSIGNED_INT`.
+const FLOAT: u32 = 5126;
+const UNSIGNED_SHORT: u32 = 5123;
+const UNSIGNED_INT: u32 = 5125;
+
+/// `LINEAR`, `LINEAR_MIPMAP_LINEAR`, `CLAMP_TO_EDGE`.
+const LINEAR: u32 = 9729;
+const TRILINEAR: u32 = 9987;
+const CLAMP: u32 = 33071;
+
+/// A mesh of a [`Glb`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct MeshId(usize);
+
+/// A node of a [`Glb`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct NodeId(usize);
+
+/// A rough material without metal; its back is not drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Material<'a> {
+    /// Its name.
     pub name: &'a str,
-    /// Vertices and triangles, metres. Vertices without triangles are written too.
-    pub mesh: &'a Mesh,
-    /// Unit normals, one a vertex; `None`: those of [`Mesh::vertex_normals`].
-    pub normals: Option<&'a [DVec3]>,
-    /// Texture coordinates, one a vertex, origin at the top left of the picture.
-    pub uvs: Option<&'a [[f32; 2]]>,
-    /// Linear colours with alpha, one a vertex, that multiply the base colour.
-    pub colors: Option<&'a [[u8; 4]]>,
-    /// Linear colour with alpha that all else is multiplied by.
-    pub base_color: [f32; 4],
-    /// A PNG file for the base colour; needs `uvs`.
-    pub base_color_png: Option<&'a [u8]>,
+    /// Linear colour and alpha that the picture is multiplied by.
+    pub color: [f32; 4],
+    /// Colour and alpha, a PNG file.
+    pub albedo: Option<&'a [u8]>,
+    /// Normal map with Y+, a PNG file.
+    pub normal: Option<&'a [u8]>,
+    /// Ambient occlusion in its red channel, a PNG file.
+    pub occlusion: Option<&'a [u8]>,
+    /// Whether alpha means nothing; otherwise the material is a cut-out: alpha test at 0.5.
+    pub is_solid: bool,
 }
 
-impl<'a> MeshParts<'a> {
-    /// A white mesh.
-    pub fn new(name: &'a str, mesh: &'a Mesh) -> Self {
+impl<'a> Material<'a> {
+    /// White and solid, without pictures.
+    pub fn white(name: &'a str) -> Self {
         Self {
             name,
-            mesh,
-            normals: None,
-            uvs: None,
-            colors: None,
-            base_color: [1.0; 4],
-            base_color_png: None,
+            color: [1.0; 4],
+            albedo: None,
+            normal: None,
+            occlusion: None,
+            is_solid: true,
         }
     }
 }
@@ -73,367 +85,470 @@ pub enum GlbError {
     TooLarge,
 }
 
-/// `parts` as the bytes of a `.glb` file.
-///
-/// # Errors
-/// [`GlbError`].
-pub fn glb(parts: &[MeshParts<'_>]) -> Result<Vec<u8>, GlbError> {
-    let mut writer = Writer::default();
-    let mut nodes = Vec::new();
-    for part in parts {
-        check(part)?;
-        nodes.push(writer.add_part(part)?);
-    }
-    writer.finish(nodes)
+/// A place for a copy of a mesh.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Instance {
+    /// Position of the foot, in metres.
+    pub translation: [f32; 3],
+    /// Turn about +Y, in radians.
+    pub yaw: f32,
+    /// Size, 1 unchanged.
+    pub scale: f32,
 }
 
-fn check(part: &MeshParts<'_>) -> Result<(), GlbError> {
-    let vertices = part.mesh.positions.len();
-    if part.mesh.triangles.is_empty() {
-        return Err(GlbError::Empty(part.name.to_owned()));
-    }
-    let used = part.mesh.triangles.as_flattened();
-    let fits = |count: Option<usize>| count.is_none_or(|count| count == vertices);
-    let checks = [
-        (
-            "triangles",
-            used.iter().all(|&vertex| (vertex as usize) < vertices),
-        ),
-        ("normals", fits(part.normals.map(<[_]>::len))),
-        ("texture coordinates", fits(part.uvs.map(<[_]>::len))),
-        ("colours", fits(part.colors.map(<[_]>::len))),
-        (
-            "no texture coordinates",
-            part.base_color_png.is_none() || part.uvs.is_some(),
-        ),
-    ];
-    match checks.iter().find(|(_, fits)| !fits) {
-        Some(&(what, _)) => Err(GlbError::Misfit {
-            name: part.name.to_owned(),
-            what,
-            vertices,
-        }),
-        None => Ok(()),
+impl Instance {
+    /// The turn as a quaternion (x, y, z, w).
+    fn rotation(&self) -> [f32; 4] {
+        let half = f64::from(self.yaw) / 2.0;
+        [0.0, libm::sin(half) as f32, 0.0, libm::cos(half) as f32]
     }
 }
 
-#[derive(Default)]
-struct Writer {
-    root: Root,
+/// A file being put together.
+#[derive(Debug, Default)]
+pub struct Glb {
     bytes: Vec<u8>,
+    views: Vec<Value>,
+    accessors: Vec<Value>,
+    images: Vec<Value>,
+    textures: Vec<Value>,
+    materials: Vec<Value>,
+    meshes: Vec<Value>,
+    nodes: Vec<Value>,
+    scene: Vec<usize>,
+    used: Vec<&'static str>,
+    required: Vec<&'static str>,
+    asset: Map<String, Value>,
+    /// The first thing that does not fit into the format; told at the end.
+    failure: Option<GlbError>,
 }
 
-impl Writer {
-    fn add_part(&mut self, part: &MeshParts<'_>) -> Result<Index<Node>, GlbError> {
-        let finite =
-            |values: Vec<[f32; 3]>| match values.as_flattened().iter().all(|v| v.is_finite()) {
-                true => Ok(values),
-                false => Err(GlbError::NotFinite(part.name.to_owned())),
-            };
-        let positions = finite(singles(&part.mesh.positions))?;
-        let normals = match part.normals {
-            Some(normals) => finite(singles(normals))?,
-            None => singles(&part.mesh.vertex_normals()),
-        };
-        let mut attributes = BTreeMap::new();
-        let mut add = |semantic, accessor| attributes.insert(Checked::Valid(semantic), accessor);
-        add(Semantic::Positions, self.add_positions(&positions));
-        add(
-            Semantic::Normals,
-            self.add_floats(normals.as_flattened(), Type::Vec3),
-        );
-        if let Some(uvs) = part.uvs {
-            add(
-                Semantic::TexCoords(0),
-                self.add_floats(uvs.as_flattened(), Type::Vec2),
-            );
+impl Glb {
+    /// An empty file; `copyright` goes where viewers look for it.
+    pub fn new(copyright: Option<&str>) -> Self {
+        let mut asset = Map::new();
+        asset.insert("version".to_owned(), json!("2.0"));
+        let generator = concat!("boscage ", env!("CARGO_PKG_VERSION"));
+        asset.insert("generator".to_owned(), json!(generator));
+        if let Some(copyright) = copyright {
+            asset.insert("copyright".to_owned(), json!(copyright));
         }
-        if let Some(colors) = part.colors {
-            add(Semantic::Colors(0), self.add_colors(colors));
+        Self {
+            asset,
+            ..Self::default()
         }
-        let indices = self.add_indices(part.mesh);
-        let material = self.add_material(part);
-        let primitive = Primitive {
-            attributes,
-            extensions: None,
-            extras: None,
-            indices: Some(indices),
-            material: Some(material),
-            mode: Checked::Valid(Mode::Triangles),
-            targets: None,
+    }
+
+    /// Adds a material; the answer goes to [`Glb::mesh`].
+    pub fn material(&mut self, material: &Material<'_>) -> usize {
+        let mut texture = |map: &str, png: &[u8]| {
+            let name = format!("{}_{map}", material.name);
+            self.texture(&name, png)
         };
-        let mesh = self.root.push(gltf_json::Mesh {
-            extensions: None,
-            extras: None,
-            name: Some(part.name.to_owned()),
-            primitives: vec![primitive],
-            weights: None,
+        let albedo = material.albedo.map(|png| texture("albedo", png));
+        let normal = material.normal.map(|png| texture("normal", png));
+        let occlusion = material.occlusion.map(|png| texture("ao", png));
+        let mut value = json!({
+            "name": material.name,
+            "pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 0.9},
         });
-        Ok(self.root.push(Node {
-            mesh: Some(mesh),
-            name: Some(part.name.to_owned()),
-            ..Node::default()
+        if material.color != [1.0; 4] {
+            value["pbrMetallicRoughness"]["baseColorFactor"] = json!(material.color);
+        }
+        if let Some(albedo) = albedo {
+            value["pbrMetallicRoughness"]["baseColorTexture"] = json!({"index": albedo});
+        }
+        if !material.is_solid {
+            value["alphaMode"] = json!("MASK");
+            value["alphaCutoff"] = json!(0.5);
+        }
+        if let Some(normal) = normal {
+            value["normalTexture"] = json!({"index": normal});
+        }
+        if let Some(occlusion) = occlusion {
+            value["occlusionTexture"] = json!({"index": occlusion});
+        }
+        self.materials.push(value);
+        self.materials.len() - 1
+    }
+
+    /// Adds a mesh with the material that [`Glb::material`] gave; `colors` also writes the wind
+    /// weights as vertex colours, which multiply the picture's where nobody knows of them.
+    pub fn mesh(&mut self, name: &str, mesh: &ModelMesh, material: usize, colors: bool) -> MeshId {
+        self.parts(name, &[(material, mesh)], colors)
+    }
+
+    /// Adds a mesh of several parts, each with its material; see [`Glb::mesh`].
+    pub fn parts(&mut self, name: &str, parts: &[(usize, &ModelMesh)], colors: bool) -> MeshId {
+        let primitives: Vec<Value> = parts
+            .iter()
+            .map(|&(material, mesh)| {
+                self.check(name, mesh);
+                self.primitive(mesh, material, colors)
+            })
+            .collect();
+        self.meshes
+            .push(json!({"name": name, "primitives": primitives}));
+        MeshId(self.meshes.len() - 1)
+    }
+
+    fn check(&mut self, name: &str, mesh: &ModelMesh) {
+        let failure = if mesh.indices.is_empty() {
+            GlbError::Empty(name.to_owned())
+        } else if let Some(what) = mesh.misfit() {
+            let (name, vertices) = (name.to_owned(), mesh.positions.len());
+            GlbError::Misfit {
+                name,
+                what,
+                vertices,
+            }
+        } else if !mesh.is_finite() {
+            GlbError::NotFinite(name.to_owned())
+        } else {
+            return;
+        };
+        self.failure.get_or_insert(failure);
+    }
+
+    fn primitive(&mut self, mesh: &ModelMesh, material: usize, colors: bool) -> Value {
+        let mut attributes = Map::new();
+        let mut attribute = |name: &str, accessor: usize| {
+            attributes.insert(name.to_owned(), json!(accessor));
+        };
+        let positions = self.floats(&mesh.positions, "VEC3");
+        let [least, most] = mesh.bounds();
+        self.accessors[positions]["min"] = json!(least);
+        self.accessors[positions]["max"] = json!(most);
+        attribute("POSITION", positions);
+        attribute("NORMAL", self.floats(&mesh.normals, "VEC3"));
+        if !mesh.tangents.is_empty() {
+            attribute("TANGENT", self.floats(&mesh.tangents, "VEC4"));
+        }
+        if !mesh.uvs.is_empty() {
+            attribute("TEXCOORD_0", self.floats(&mesh.uvs, "VEC2"));
+        }
+        if !mesh.wind.is_empty() {
+            let wind = self.floats(&mesh.wind, "VEC3");
+            attribute("_WIND", wind);
+            if colors {
+                attribute("COLOR_0", wind);
+            }
+        }
+        let indices = self.indices(&mesh.indices, mesh.positions.len());
+        json!({
+            "attributes": attributes,
+            "indices": indices,
+            "material": material,
+            "mode": 4,
+        })
+    }
+
+    /// Adds a node that shows `mesh` at the origin.
+    pub fn node(&mut self, name: &str, mesh: MeshId) -> NodeId {
+        self.add_node(json!({"name": name, "mesh": mesh.0}))
+    }
+
+    /// Adds a node that shows `mesh` at one place.
+    pub fn placed_node(&mut self, name: &str, mesh: MeshId, place: &Instance) -> NodeId {
+        let scale = [place.scale; 3];
+        self.add_node(json!({
+            "name": name,
+            "mesh": mesh.0,
+            "translation": place.translation,
+            "rotation": place.rotation(),
+            "scale": scale,
         }))
     }
 
-    /// Adds bytes to the buffer, aligned to four.
-    fn add_view(&mut self, bytes: &[u8], target: Option<Target>) -> Index<View> {
-        let offset = self.bytes.len();
-        self.bytes.extend_from_slice(bytes);
+    /// Adds a node that shows `mesh` at many places in one draw (`EXT_mesh_gpu_instancing`, which
+    /// readers then must know).
+    pub fn instanced_node(&mut self, name: &str, mesh: MeshId, places: &[Instance]) -> NodeId {
+        let translations: Vec<[f32; 3]> = places.iter().map(|p| p.translation).collect();
+        let rotations: Vec<[f32; 4]> = places.iter().map(Instance::rotation).collect();
+        let scales: Vec<[f32; 3]> = places.iter().map(|p| [p.scale; 3]).collect();
+        let attributes = json!({
+            "TRANSLATION": self.plain_floats(&translations, "VEC3"),
+            "ROTATION": self.plain_floats(&rotations, "VEC4"),
+            "SCALE": self.plain_floats(&scales, "VEC3"),
+        });
+        self.requires("EXT_mesh_gpu_instancing");
+        self.add_node(json!({
+            "name": name,
+            "mesh": mesh.0,
+            "extensions": {"EXT_mesh_gpu_instancing": {"attributes": attributes}},
+        }))
+    }
+
+    /// Adds a node with children.
+    pub fn group(&mut self, name: &str, children: &[NodeId]) -> NodeId {
+        let children: Vec<usize> = children.iter().map(|child| child.0).collect();
+        self.add_node(json!({"name": name, "children": children}))
+    }
+
+    /// Makes `coarser` the levels of detail below `finest` (`MSFT_lod`); `coverage` is the share of
+    /// the screen's height down to which each level serves, the finest first.
+    pub fn levels_of_detail(&mut self, finest: NodeId, coarser: &[NodeId], coverage: &[f64]) {
+        let ids: Vec<usize> = coarser.iter().map(|node| node.0).collect();
+        self.uses("MSFT_lod");
+        let node = &mut self.nodes[finest.0];
+        node["extensions"] = json!({"MSFT_lod": {"ids": ids}});
+        node["extras"] = json!({"MSFT_screencoverage": coverage});
+    }
+
+    /// Puts a node into the scene.
+    pub fn show(&mut self, node: NodeId) {
+        self.scene.push(node.0);
+    }
+
+    /// The file's bytes.
+    ///
+    /// # Errors
+    /// [`GlbError`], for what was added or for all of it.
+    pub fn into_bytes(mut self) -> Result<Vec<u8>, GlbError> {
+        if let Some(failure) = self.failure {
+            return Err(failure);
+        }
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
-        self.root.push(View {
-            buffer: Index::new(0),
-            byte_length: USize64::from(bytes.len()),
-            byte_offset: Some(USize64::from(offset)),
-            byte_stride: None,
-            name: None,
-            target: target.map(Checked::Valid),
-            extensions: None,
-            extras: None,
-        })
-    }
-
-    fn accessor(view: Index<View>, count: usize, component: ComponentType, kind: Type) -> Accessor {
-        Accessor {
-            buffer_view: Some(view),
-            byte_offset: None,
-            count: USize64::from(count),
-            component_type: Checked::Valid(GenericComponentType(component)),
-            extensions: None,
-            extras: None,
-            type_: Checked::Valid(kind),
-            min: None,
-            max: None,
-            name: None,
-            normalized: false,
-            sparse: None,
-        }
-    }
-
-    fn add_positions(&mut self, positions: &[[f32; 3]]) -> Index<Accessor> {
-        let fold = |from: f32, pick: fn(f32, f32) -> f32| {
-            let axis = |i: usize| positions.iter().fold(from, |bound, p| pick(bound, p[i]));
-            serde_json::json!([axis(0), axis(1), axis(2)])
-        };
-        let (min, max) = (
-            fold(f32::INFINITY, f32::min),
-            fold(f32::NEG_INFINITY, f32::max),
-        );
-        let index = self.add_floats(positions.as_flattened(), Type::Vec3);
-        let accessor = &mut self.root.accessors[index.value()];
-        (accessor.min, accessor.max) = (Some(min), Some(max));
-        index
-    }
-
-    fn add_floats(&mut self, values: &[f32], kind: Type) -> Index<Accessor> {
-        let bytes: Vec<u8> = values
-            .iter()
-            .flat_map(|value| value.to_le_bytes())
-            .collect();
-        let view = self.add_view(&bytes, Some(Target::ArrayBuffer));
-        let components = if kind == Type::Vec2 { 2 } else { 3 };
-        self.root.push(Self::accessor(
-            view,
-            values.len() / components,
-            ComponentType::F32,
-            kind,
-        ))
-    }
-
-    fn add_colors(&mut self, colors: &[[u8; 4]]) -> Index<Accessor> {
-        let view = self.add_view(colors.as_flattened(), Some(Target::ArrayBuffer));
-        let accessor = Self::accessor(view, colors.len(), ComponentType::U8, Type::Vec4);
-        self.root.push(Accessor {
-            normalized: true,
-            ..accessor
-        })
-    }
-
-    /// Adds the triangles, in 16 bits where the number of vertices allows.
-    fn add_indices(&mut self, mesh: &Mesh) -> Index<Accessor> {
-        let indices = mesh.triangles.as_flattened();
-        // The largest 16-bit index is reserved.
-        let (bytes, component): (Vec<u8>, _) = if mesh.positions.len() < usize::from(u16::MAX) {
-            let short = indices
-                .iter()
-                .flat_map(|&index| (index as u16).to_le_bytes());
-            (short.collect(), ComponentType::U16)
+        let mut root = Map::new();
+        root.insert("asset".to_owned(), Value::Object(self.asset));
+        root.insert("scene".to_owned(), json!(0));
+        root.insert("scenes".to_owned(), json!([{"nodes": self.scene}]));
+        let sampler = json!([{
+            "magFilter": LINEAR, "minFilter": TRILINEAR, "wrapS": CLAMP, "wrapT": CLAMP
+        }]);
+        let samplers = if self.textures.is_empty() {
+            json!([])
         } else {
-            let long = indices.iter().flat_map(|index| index.to_le_bytes());
-            (long.collect(), ComponentType::U32)
+            sampler
         };
-        let view = self.add_view(&bytes, Some(Target::ElementArrayBuffer));
-        self.root
-            .push(Self::accessor(view, indices.len(), component, Type::Scalar))
+        let lists = [
+            ("nodes", json!(self.nodes)),
+            ("meshes", json!(self.meshes)),
+            ("materials", json!(self.materials)),
+            ("textures", json!(self.textures)),
+            ("samplers", samplers),
+            ("images", json!(self.images)),
+            ("accessors", json!(self.accessors)),
+            ("bufferViews", json!(self.views)),
+            ("buffers", json!([{"byteLength": self.bytes.len()}])),
+            ("extensionsUsed", json!(self.used)),
+            ("extensionsRequired", json!(self.required)),
+        ];
+        // The format allows no empty lists.
+        let filled = lists.into_iter().filter(|(_, list)| *list != json!([]));
+        root.extend(filled.map(|(name, list)| (name.to_owned(), list)));
+        container(&Value::Object(root), &self.bytes)
     }
 
-    fn add_material(&mut self, part: &MeshParts<'_>) -> Index<Material> {
-        let texture = part.base_color_png.map(|png| texture::Info {
-            index: self.add_texture(png),
-            tex_coord: 0,
-            extensions: None,
-            extras: None,
-        });
-        self.root.push(Material {
-            name: Some(part.name.to_owned()),
-            pbr_metallic_roughness: PbrMetallicRoughness {
-                base_color_factor: PbrBaseColorFactor(part.base_color),
-                base_color_texture: texture,
-                metallic_factor: StrengthFactor(0.0),
-                roughness_factor: StrengthFactor(1.0),
-                ..PbrMetallicRoughness::default()
-            },
-            ..Material::default()
-        })
+    fn add_node(&mut self, node: Value) -> NodeId {
+        self.nodes.push(node);
+        NodeId(self.nodes.len() - 1)
     }
 
-    fn add_texture(&mut self, png: &[u8]) -> Index<Texture> {
-        let view = self.add_view(png, None);
-        let source = self.root.push(Image {
-            buffer_view: Some(view),
-            mime_type: Some(gltf_json::image::MimeType("image/png".to_owned())),
-            name: None,
-            uri: None,
-            extensions: None,
-            extras: None,
-        });
-        let sampler = self.root.push(texture::Sampler {
-            mag_filter: Some(Checked::Valid(texture::MagFilter::Linear)),
-            min_filter: Some(Checked::Valid(texture::MinFilter::LinearMipmapLinear)),
-            wrap_s: Checked::Valid(texture::WrappingMode::ClampToEdge),
-            wrap_t: Checked::Valid(texture::WrappingMode::ClampToEdge),
-            ..texture::Sampler::default()
-        });
-        self.root.push(Texture {
-            name: None,
-            sampler: Some(sampler),
-            source,
-            extensions: None,
-            extras: None,
-        })
-    }
-
-    /// Header, JSON padded with spaces, buffer.
-    fn finish(mut self, nodes: Vec<Index<Node>>) -> Result<Vec<u8>, GlbError> {
-        let scene = self.root.push(Scene {
-            extensions: None,
-            extras: None,
-            name: None,
-            nodes,
-        });
-        self.root.scene = Some(scene);
-        self.root.asset.generator = Some(concat!("Boscage ", env!("CARGO_PKG_VERSION")).to_owned());
-        self.root.push(gltf_json::Buffer {
-            byte_length: USize64::from(self.bytes.len()),
-            name: None,
-            uri: None,
-            extensions: None,
-            extras: None,
-        });
-        let mut json = self
-            .root
-            .to_vec()
-            .expect("numbers and names are always JSON");
-        json.resize(json.len().next_multiple_of(4), b' ');
-        let total = 12 + 8 + json.len() + 8 + self.bytes.len();
-        let counted = |bytes: usize| u32::try_from(bytes).map_err(|_| GlbError::TooLarge);
-        let mut file = Vec::with_capacity(total);
-        file.extend(b"glTF");
-        file.extend(2u32.to_le_bytes());
-        file.extend(counted(total)?.to_le_bytes());
-        for (kind, chunk) in [(b"JSON", &json), (b"BIN\0", &self.bytes)] {
-            file.extend(counted(chunk.len())?.to_le_bytes());
-            file.extend(kind);
-            file.extend_from_slice(chunk);
+    fn uses(&mut self, extension: &'static str) {
+        if !self.used.contains(&extension) {
+            self.used.push(extension);
         }
-        Ok(file)
+    }
+
+    fn requires(&mut self, extension: &'static str) {
+        self.uses(extension);
+        if !self.required.contains(&extension) {
+            self.required.push(extension);
+        }
+    }
+
+    fn texture(&mut self, name: &str, png: &[u8]) -> usize {
+        let view = self.view(png, None);
+        self.images
+            .push(json!({"name": name, "mimeType": "image/png", "bufferView": view}));
+        self.textures
+            .push(json!({"name": name, "sampler": 0, "source": self.images.len() - 1}));
+        self.textures.len() - 1
+    }
+
+    fn view(&mut self, bytes: &[u8], target: Option<u32>) -> usize {
+        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
+        let mut view = json!({
+            "buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len()
+        });
+        if let Some(target) = target {
+            view["target"] = json!(target);
+        }
+        self.bytes.extend(bytes);
+        self.views.push(view);
+        self.views.len() - 1
+    }
+
+    /// Floats that are vertices.
+    fn floats<const N: usize>(&mut self, values: &[[f32; N]], kind: &str) -> usize {
+        let view = self.view(&little_endian(values), Some(VERTICES));
+        self.accessor(view, FLOAT, values.len(), kind)
+    }
+
+    /// Floats that are no vertices.
+    fn plain_floats<const N: usize>(&mut self, values: &[[f32; N]], kind: &str) -> usize {
+        let view = self.view(&little_endian(values), None);
+        self.accessor(view, FLOAT, values.len(), kind)
+    }
+
+    fn indices(&mut self, indices: &[u32], vertices: usize) -> usize {
+        // 65535 restarts strips and is no index.
+        let short = vertices <= usize::from(u16::MAX);
+        let bytes: Vec<u8> = if short {
+            let short = indices.iter().map(|&i| i as u16);
+            short.flat_map(u16::to_le_bytes).collect()
+        } else {
+            indices.iter().flat_map(|i| i.to_le_bytes()).collect()
+        };
+        let view = self.view(&bytes, Some(INDICES));
+        let kind = if short { UNSIGNED_SHORT } else { UNSIGNED_INT };
+        self.accessor(view, kind, indices.len(), "SCALAR")
+    }
+
+    fn accessor(&mut self, view: usize, component: u32, count: usize, kind: &str) -> usize {
+        self.accessors.push(json!({
+            "bufferView": view, "componentType": component, "count": count, "type": kind
+        }));
+        self.accessors.len() - 1
     }
 }
 
-fn singles(values: &[DVec3]) -> Vec<[f32; 3]> {
+fn little_endian<const N: usize>(values: &[[f32; N]]) -> Vec<u8> {
     values
         .iter()
-        .map(|value| value.as_vec3().to_array())
+        .flatten()
+        .flat_map(|v| v.to_le_bytes())
         .collect()
+}
+
+/// Header, JSON chunk padded with spaces, binary chunk padded with zeros.
+fn container(root: &Value, binary: &[u8]) -> Result<Vec<u8>, GlbError> {
+    let counted = |bytes: usize| u32::try_from(bytes).map_err(|_| GlbError::TooLarge);
+    let mut text = root.to_string().into_bytes();
+    text.resize(text.len().next_multiple_of(4), b' ');
+    let total = 12 + 8 + text.len() + 8 + binary.len();
+    let mut out = Vec::with_capacity(total);
+    out.extend(b"glTF");
+    out.extend(2u32.to_le_bytes());
+    out.extend(counted(total)?.to_le_bytes());
+    for (kind, chunk) in [(b"JSON", text.as_slice()), (b"BIN\0", binary)] {
+        out.extend(counted(chunk.len())?.to_le_bytes());
+        out.extend(kind);
+        out.extend(chunk);
+    }
+    Ok(out)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::crown::cube_sphere;
-    use crate::raster::{Compression, Cubemap, Straight, encode_png};
+    use crate::raster::{Compression, Cubemap, Image, Straight, encode_png};
+    use glam::DVec3;
+
+    fn card() -> ModelMesh {
+        ModelMesh {
+            positions: vec![[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]],
+            normals: vec![[0.0, 0.0, 1.0]; 3],
+            tangents: vec![[1.0, 0.0, 0.0, 1.0]; 3],
+            uvs: vec![[0.0, 1.0], [1.0, 1.0], [0.5, 0.0]],
+            wind: vec![[1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]],
+            indices: vec![0, 1, 2],
+        }
+    }
 
     #[test]
-    fn a_file_reads_back_as_what_was_written() {
-        let radius = Cubemap::from_directions(8, |d| (2.0 + 0.2 * d.x) as f32);
-        let mesh = cube_sphere(&radius, DVec3::new(0.0, 5.0, 0.0), 4).mesh;
-        let uvs: Vec<[f32; 2]> = mesh.positions.iter().map(|p| [p.x as f32, 0.5]).collect();
-        let colors = vec![[10, 20, 30, 255]; mesh.positions.len()];
-        let picture = crate::raster::Image::filled(4, 2, Straight([9, 8, 7, 255]));
-        let png = encode_png(&picture, Compression::Small);
-        let parts = MeshParts {
-            uvs: Some(&uvs),
-            colors: Some(&colors),
-            base_color_png: Some(&png),
-            ..MeshParts::new("crown", &mesh)
+    fn the_reader_crate_takes_levels_of_detail_and_instances() {
+        let png = encode_png(
+            &Image::filled(4, 4, Straight([9, 9, 9, 255])),
+            Compression::Fast,
+        );
+        let mut glb = Glb::new(Some("somebody"));
+        let material = glb.material(&Material {
+            albedo: Some(&png),
+            normal: Some(&png),
+            is_solid: false,
+            ..Material::white("leaf")
+        });
+        let mesh = glb.mesh("card", &card(), material, true);
+        let (fine, coarse) = (glb.node("a_LOD0", mesh), glb.node("a_LOD1", mesh));
+        glb.levels_of_detail(fine, &[coarse], &[0.3, 0.01]);
+        let place = Instance {
+            translation: [1.0, 0.0, 2.0],
+            yaw: 1.0,
+            scale: 0.5,
         };
-        let file = glb(&[parts, MeshParts::new("plain", &mesh)]).unwrap();
-        let (document, buffers, images) = gltf::import_slice(&file).unwrap();
-        assert_eq!(document.nodes().count(), 2);
-        assert_eq!((images[0].width, images[0].height), (4, 2));
-        assert_eq!(images[0].pixels[..3], [9, 8, 7]);
-        let meshes: Vec<_> = document.meshes().collect();
-        assert_eq!(meshes[0].name(), Some("crown"));
-        let primitive = meshes[0].primitives().next().unwrap();
+        let many = glb.instanced_node("many", mesh, &[place; 3]);
+        glb.show(fine);
+        glb.show(many);
+        let bytes = glb.into_bytes().unwrap();
+        // The crate refuses extensions that it does not know, as it must.
+        let file = gltf::Gltf::from_slice_without_validation(&bytes).unwrap();
+        assert_eq!(file.nodes().count(), 3);
+        assert_eq!(file.default_scene().unwrap().nodes().count(), 2);
+        let buffer = file.blob.as_deref().unwrap();
+        let primitive = file.meshes().next().unwrap().primitives().next().unwrap();
+        let reader = primitive.reader(|_| Some(buffer));
+        let positions: Vec<_> = reader.read_positions().unwrap().collect();
+        assert_eq!(positions, card().positions);
+        let indices: Vec<u32> = reader.read_indices().unwrap().into_u32().collect();
+        assert_eq!(indices, [0, 1, 2]);
+        assert_eq!(primitive.bounding_box().max, [1.0, 2.0, 0.0]);
+        assert_eq!(primitive.material().alpha_cutoff(), Some(0.5));
+    }
+    #[test]
+    fn a_bare_mesh_has_a_colour_and_no_picture() {
+        let mesh = cube_sphere(&Cubemap::filled(4, 2.0), DVec3::Y, 4).mesh;
+        let mut glb = Glb::new(None);
+        let green = glb.material(&Material {
+            color: [0.1, 0.2, 0.05, 1.0],
+            ..Material::white("green")
+        });
+        let sphere = glb.mesh("sphere", &ModelMesh::from(&mesh), green, true);
+        let node = glb.node("sphere", sphere);
+        glb.show(node);
+        let bytes = glb.into_bytes().unwrap();
+        assert_eq!(bytes.len() % 4, 0);
+        let (document, buffers, images) = gltf::import_slice(&bytes).unwrap();
+        assert!(images.is_empty());
+        let primitive = document.meshes().next().unwrap().primitives().next();
+        let primitive = primitive.unwrap();
+        let material = primitive.material().pbr_metallic_roughness();
+        assert_eq!(material.base_color_factor(), [0.1, 0.2, 0.05, 1.0]);
         let reader = primitive.reader(|buffer| Some(&buffers[buffer.index()]));
-        let read: Vec<[f32; 3]> = reader.read_positions().unwrap().collect();
-        assert_eq!(read, singles(&mesh.positions));
         let indices: Vec<u32> = reader.read_indices().unwrap().into_u32().collect();
         assert_eq!(indices, mesh.triangles.as_flattened());
-        let normals: Vec<[f32; 3]> = reader.read_normals().unwrap().collect();
-        assert!(
-            normals
-                .iter()
-                .all(|n| (n.iter().map(|c| c * c).sum::<f32>() - 1.0).abs() < 1e-6)
-        );
-        let read: Vec<[f32; 2]> = reader.read_tex_coords(0).unwrap().into_f32().collect();
-        assert_eq!(read, uvs);
-        let read: Vec<[u8; 4]> = reader.read_colors(0).unwrap().into_rgba_u8().collect();
-        assert_eq!(read, colors);
-        let bounds = primitive.bounding_box();
-        let (low, high) = mesh.bounds().unwrap();
-        assert_eq!(
-            (bounds.min, bounds.max),
-            (low.as_vec3().to_array(), high.as_vec3().to_array())
-        );
-        let material = primitive.material().pbr_metallic_roughness();
-        assert!(material.base_color_texture().is_some());
-        assert_eq!(file.len() % 4, 0);
+        for (position, normal) in reader
+            .read_positions()
+            .unwrap()
+            .zip(reader.read_normals().unwrap())
+        {
+            let outward = DVec3::from_array(position.map(f64::from)) - DVec3::Y;
+            let normal = DVec3::from_array(normal.map(f64::from));
+            assert!((normal.length() - 1.0).abs() < 1e-6);
+            assert!(normal.dot(outward) > 1.8);
+        }
+        assert_eq!(primitive.bounding_box().max[1], 3.0);
     }
 
     #[test]
     fn what_does_not_fit_is_refused() {
-        let mesh = cube_sphere(&Cubemap::filled(4, 1.0), DVec3::ZERO, 2).mesh;
-        let short = [[0.0; 2]; 3];
-        let misfit = MeshParts {
-            uvs: Some(&short),
-            ..MeshParts::new("m", &mesh)
+        let refused = |change: fn(&mut ModelMesh)| {
+            let mut mesh = card();
+            change(&mut mesh);
+            let mut glb = Glb::new(None);
+            let white = glb.material(&Material::white("white"));
+            glb.mesh("card", &mesh, white, false);
+            glb.into_bytes().unwrap_err()
         };
-        assert!(matches!(glb(&[misfit]), Err(GlbError::Misfit { .. })));
-        let bare = MeshParts {
-            base_color_png: Some(&[]),
-            ..MeshParts::new("m", &mesh)
-        };
-        assert!(matches!(glb(&[bare]), Err(GlbError::Misfit { .. })));
-        let empty = Mesh::default();
-        assert!(matches!(
-            glb(&[MeshParts::new("m", &empty)]),
-            Err(GlbError::Empty(_))
-        ));
-        let infinite = mesh.moved(|p| p / 0.0);
-        assert!(matches!(
-            glb(&[MeshParts::new("m", &infinite)]),
-            Err(GlbError::NotFinite(_))
-        ));
+        let short = refused(|mesh| mesh.uvs.truncate(2));
+        assert!(matches!(short, GlbError::Misfit { vertices: 3, .. }));
+        let beyond = refused(|mesh| mesh.indices[0] = 3);
+        assert!(matches!(beyond, GlbError::Misfit { .. }));
+        let empty = refused(|mesh| mesh.indices.clear());
+        assert_eq!(empty, GlbError::Empty("card".to_owned()));
+        let infinite = refused(|mesh| mesh.positions[0][1] = f32::INFINITY);
+        assert_eq!(infinite, GlbError::NotFinite("card".to_owned()));
     }
 }

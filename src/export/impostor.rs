@@ -20,9 +20,9 @@
 //! Limit: texels are covered by quarters.
 
 use super::bleed::{bled, bled_from};
-use super::cards::CardMesh;
-use super::crown_model::CrownModel;
+use super::crown_model::{CrownModel, ModelMaterial};
 use super::mips::{ALPHA_CUTOFF, mips};
+use super::model_mesh::ModelMesh;
 use super::record::ImpostorRecord;
 use crate::base::{Cancel, Cancelled};
 use crate::raster::{Image, Straight};
@@ -137,16 +137,7 @@ pub fn impostor(
     frame_done: impl Fn() + Sync,
     cancel: &Cancel,
 ) -> Result<Impostor, Cancelled> {
-    let skins: Vec<Skin> = model
-        .materials
-        .iter()
-        .map(|material| {
-            Ok(Skin {
-                levels: mips(&material.picture, &[], cancel)?,
-                is_solid: material.is_solid,
-            })
-        })
-        .collect::<Result<_, Cancelled>>()?;
+    let skins = skins(model, cancel)?;
     let (center_m, depth_m, half_m) = framing(model, settings);
     let scale = f64::from(FINENESS * settings.frame_px) / (2.0 * half_m);
     let frames: Vec<Frame> = (0..settings.frames * settings.frames)
@@ -154,17 +145,8 @@ pub fn impostor(
         .map(|index| {
             let (i, j) = (index % settings.frames, index / settings.frames);
             let toward = frame_direction(settings.form, settings.frames, i, j);
-            let [right, up] = frame_axes(toward);
-            let mut frame = Frame::new(settings.frame_px * FINENESS);
-            let view = View {
-                axes: [right, up, toward],
-                center: center_m,
-                scale,
-            };
-            for (material, mesh) in &model.levels[0] {
-                cancel.check()?;
-                frame.draw(&view, mesh, &skins[*material]);
-            }
+            let view = View::new(toward, center_m, scale);
+            let frame = Frame::of(model, &skins, &view, settings.frame_px, cancel)?;
             frame_done();
             Ok(frame)
         })
@@ -177,6 +159,40 @@ pub fn impostor(
         half_m,
         depth_m,
     })
+}
+
+/// `model` as seen from the front, without light: a square of `side_px` pixels, at least 16, with
+/// alpha.
+///
+/// # Errors
+/// [`Cancelled`].
+pub fn portrait(
+    model: &CrownModel,
+    side_px: u32,
+    cancel: &Cancel,
+) -> Result<Image<Straight>, Cancelled> {
+    let settings = ImpostorSettings {
+        form: ImpostorForm::Full,
+        frames: 1,
+        frame_px: side_px,
+    };
+    let (center_m, depth_m, half_m) = framing(model, &settings);
+    let scale = f64::from(FINENESS * side_px) / (2.0 * half_m);
+    let view = View::new(DVec3::Z, center_m, scale);
+    let skins = skins(model, cancel)?;
+    let frame = Frame::of(model, &skins, &view, side_px, cancel)?;
+    Ok(assembled(&[frame], &settings, depth_m * scale).0)
+}
+
+/// The materials of `model` with their smaller copies.
+fn skins(model: &CrownModel, cancel: &Cancel) -> Result<Vec<Skin>, Cancelled> {
+    let skin = |material: &ModelMaterial| {
+        Ok(Skin {
+            levels: mips(&material.picture, &[], cancel)?,
+            is_solid: material.is_solid,
+        })
+    };
+    model.materials.iter().map(skin).collect()
 }
 
 /// The middle of all frames, the radius of a ball around it that holds the tree, and half the side
@@ -221,6 +237,17 @@ struct View {
     scale: f64,
 }
 
+impl View {
+    fn new(toward: DVec3, center: DVec3, scale: f64) -> Self {
+        let [right, up] = frame_axes(toward);
+        Self {
+            axes: [right, up, toward],
+            center,
+            scale,
+        }
+    }
+}
+
 /// What a sample shows.
 #[derive(Debug, Clone, Copy)]
 struct Sample {
@@ -252,7 +279,23 @@ impl Frame {
         }
     }
 
-    fn draw(&mut self, view: &View, mesh: &CardMesh, skin: &Skin) {
+    /// The finest level of `model`, in a frame of `side_px` texels.
+    fn of(
+        model: &CrownModel,
+        skins: &[Skin],
+        view: &View,
+        side_px: u32,
+        cancel: &Cancel,
+    ) -> Result<Self, Cancelled> {
+        let mut frame = Self::new(side_px * FINENESS);
+        for (material, mesh) in &model.levels[0] {
+            cancel.check()?;
+            frame.draw(view, mesh, &skins[*material]);
+        }
+        Ok(frame)
+    }
+
+    fn draw(&mut self, view: &View, mesh: &ModelMesh, skin: &Skin) {
         let half = f64::from(self.size) / 2.0;
         let seen = |at: &[f32; 3]| -> Corner {
             let [x, y, near] = view
@@ -266,11 +309,11 @@ impl Frame {
         }
     }
 
-    fn fill(&mut self, corners: &[Corner], mesh: &CardMesh, [a, b, c]: [usize; 3], skin: &Skin) {
+    fn fill(&mut self, corners: &[Corner], mesh: &ModelMesh, [a, b, c]: [usize; 3], skin: &Skin) {
         let flat = [a, b, c].map(|i| DVec2::new(corners[i][0], corners[i][1]));
         // y points down: a positive product is clockwise, which is a back.
         let area = (flat[1] - flat[0]).perp_dot(flat[2] - flat[0]);
-        if area == 0.0 || (skin.is_solid && area > 0.0) {
+        if area >= 0.0 {
             return;
         }
         let picture = skin.level([a, b, c].map(|i| mesh.uvs[i]), area);
@@ -411,14 +454,13 @@ pub fn three_module() -> &'static str {
 
 #[cfg(test)]
 mod tests {
-    use super::super::crown_model::ModelMaterial;
     use super::*;
 
     /// A square of 2 m whose right half is red, in the plane z = 0, facing +Z.
     fn card() -> CrownModel {
         let red = Straight([255, 0, 0, 255]);
         let green = Straight([0, 255, 0, 255]);
-        let mesh = CardMesh {
+        let mesh = ModelMesh {
             positions: vec![
                 [-1.0, 0.0, 0.0],
                 [1.0, 0.0, 0.0],

@@ -6,6 +6,12 @@
 //! right angle: from no side is a crown seen edge-on. Normals are those of the smoothed crown, bent
 //! towards the corners of the card, which shades a crown as one body.
 //!
+//! Sides. The card that faces outwards has a front only: its back would be seen from inside. The one
+//! across it has two sides of its own, back to back, since readers turn normals of a material that
+//! draws both sides round behind, and half of such cards would be dark. Each side's normals are kept
+//! in front of it, or a path tracer would light it through the card. Cards have the outline of their
+//! twig ([`octagon`]), not that of their square.
+//!
 //! Colours stand in the picture: each twig is there in some shades, which are means of groups of
 //! leaves of like brightness, and a leaf takes the nearest. So no reader needs vertex colours, and
 //! these stay free for wind.
@@ -14,16 +20,18 @@
 //! its dark leaves.
 
 use super::bleed::bled;
-use super::cards::CardMesh;
+use super::leaf_alpha::lasting;
+use super::model_mesh::ModelMesh;
 use super::stem::Stand;
+use super::twig_outline::octagon;
 use crate::base::{Random, Seed};
 use crate::branches::sprite::LeafShape;
-use crate::branches::twigs::twigs;
+use crate::branches::twigs::{TwigTexel, twigs};
 use crate::crown::leaf_points;
 use crate::raster::{CubeFace, Cubemap, Image, Straight, smoothed_cubemap};
 use crate::render::{linear, srgb_byte};
 use crate::scene::Crown;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 /// Texels along a side of a twig.
@@ -41,6 +49,13 @@ const DEEPEST: f64 = 0.62;
 const DRAWN_BACK: f64 = 0.45;
 /// How far a card may tilt out of the surface: length of a random vector added to the unit normal.
 const TILT: f64 = 0.7;
+/// Distance of a side from the middle of its card, as a share of half its length; see
+/// [`super::cards`].
+const SIDE_GAP: f64 = 2e-3;
+/// Least cosine between normals and the side they belong to.
+const LEAST_FACING: f64 = 0.1;
+/// Least coverage, of 255, that stays inside a twig's outline.
+const LEAST_COVERAGE: u8 = 32;
 /// How much normals spread over a card.
 const SPREAD: f64 = 0.5;
 /// Texels along a face of the colours that leaves take: larger ones would be speckled.
@@ -74,6 +89,8 @@ pub(super) struct LeafCards {
     leaves: Vec<Leaf>,
     center: DVec3,
     mean_radius: f64,
+    /// Outline of each twig, in halves of its card's side.
+    outlines: Vec<[DVec2; 8]>,
     /// Twigs in a row, shades below one another; colour bled under clear texels.
     pub(super) picture: Image<Straight>,
 }
@@ -104,27 +121,32 @@ impl LeafCards {
         for (leaf, shade) in leaves.iter_mut().zip(shades) {
             leaf.shade = shade;
         }
+        let twigs = twigs(shape, TWIG_PX, TWIGS, seed);
+        let shows = |twig: &Image<TwigTexel>| twig.map(|texel| texel.coverage >= LEAST_COVERAGE);
         Self {
             leaves,
             center: crown.center_m,
             mean_radius,
-            picture: picture(shape, &palette, seed),
+            outlines: twigs.iter().map(|twig| octagon(&shows(twig))).collect(),
+            picture: picture(&twigs, &palette),
         }
     }
 
     /// The first `count` leaves as pairs of crossed cards.
-    pub(super) fn cards(&self, count: usize, stand: &Stand) -> CardMesh {
+    pub(super) fn cards(&self, count: usize, stand: &Stand) -> ModelMesh {
         let count = count.min(self.leaves.len());
         let side = CARD_SIZE * self.mean_radius / (count.max(1) as f64).sqrt();
-        let mut mesh = CardMesh::default();
+        let mut mesh = ModelMesh::default();
         for leaf in &self.leaves[..count] {
             let half = side * leaf.size;
             let inner = DEEPEST + (1.0 - DEEPEST) * leaf.share;
             let out = (leaf.reach * inner - DRAWN_BACK * half).max(0.0);
             let center = self.center + stand.shift + leaf.direction * out;
-            let up = leaf.facing.cross(leaf.right);
-            for (right, up) in [(leaf.right, up), (leaf.facing, up)] {
-                leaf.add(&mut mesh, center, [right * half, up * half], stand);
+            let [right, up, facing] =
+                [leaf.right, leaf.facing.cross(leaf.right), leaf.facing].map(|axis| axis * half);
+            let outline = &self.outlines[leaf.twig as usize];
+            for (right, side) in [(right, 1.0), (facing, 1.0), (facing, -1.0)] {
+                leaf.add(&mut mesh, outline, center, [right, up], side, stand);
             }
         }
         mesh
@@ -132,29 +154,56 @@ impl LeafCards {
 }
 
 impl Leaf {
-    /// Adds the card at `center` with the half sides `sides`.
-    fn add(&self, mesh: &mut CardMesh, center: DVec3, sides: [DVec3; 2], stand: &Stand) {
+    /// Adds one side of the card at `center` with the half axes `axes`: its front, or its back when
+    /// `side` is −1.
+    fn add(
+        &self,
+        mesh: &mut ModelMesh,
+        outline: &[DVec2; 8],
+        center: DVec3,
+        axes: [DVec3; 2],
+        side: f64,
+        stand: &Stand,
+    ) {
         let first = mesh.positions.len() as u32;
-        for (x, y) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
-            let offset = sides[0] * x + sides[1] * y;
-            let at = center + offset;
-            let bent = self.normal + offset.normalize() * SPREAD;
-            let u = (f64::from(self.twig) + 0.5 + 0.5 * x) / f64::from(TWIGS);
-            let v = (self.shade as f64 + 0.5 - 0.5 * y) / SHADES as f64;
+        let toward = axes[0].cross(axes[1]).normalize() * side;
+        let half = axes[0].length();
+        for corner in outline {
+            let offset = axes[0] * corner.x + axes[1] * corner.y;
+            let at = center + offset + toward * (SIDE_GAP * half);
+            let bent = (self.normal + offset.normalize_or_zero() * SPREAD).normalize();
+            let u = (f64::from(self.twig) + 0.5 + 0.5 * corner.x) / f64::from(TWIGS);
+            let v = (self.shade as f64 + 0.5 - 0.5 * corner.y) / SHADES as f64;
             let free = if offset.dot(self.direction) > 0.0 {
                 1.0
             } else {
                 0.35
             };
             mesh.positions.push(at.as_vec3().to_array());
-            mesh.normals.push(bent.normalize().as_vec3().to_array());
+            mesh.normals
+                .push(in_front(bent, toward).as_vec3().to_array());
             mesh.uvs.push([u as f32, v as f32]);
             mesh.wind
                 .push([free, self.phase, stand.sway(at.y)].map(|weight| weight as f32));
         }
-        mesh.indices
-            .extend([0, 1, 2, 0, 2, 3].map(|corner| first + corner));
+        let turned = |[a, b]: [u32; 2]| if side > 0.0 { [a, b] } else { [b, a] };
+        let fan = (1..outline.len() as u32 - 1).flat_map(|i| {
+            let [b, c] = turned([i, i + 1]);
+            [0, b, c]
+        });
+        mesh.indices.extend(fan.map(|corner| first + corner));
     }
+}
+
+/// The unit vector `normal`, turned towards `side` until it is in front of it.
+fn in_front(normal: DVec3, side: DVec3) -> DVec3 {
+    let facing = normal.dot(side);
+    if facing >= LEAST_FACING {
+        return normal;
+    }
+    let along = (normal - side * facing).normalize_or_zero();
+    let share = (1.0 - LEAST_FACING * LEAST_FACING).sqrt();
+    (along * share + side * LEAST_FACING).normalize()
 }
 
 /// The leaf at `point` of the unit ball.
@@ -247,8 +296,7 @@ fn grouped(colors: &[[f32; 3]]) -> (Vec<[f32; 3]>, Vec<usize>) {
 }
 
 /// The twigs in all colours of `palette`.
-fn picture(shape: LeafShape, palette: &[[f32; 3]], seed: Seed) -> Image<Straight> {
-    let twigs = twigs(shape, TWIG_PX, TWIGS, seed);
+fn picture(twigs: &[Image<TwigTexel>], palette: &[[f32; 3]]) -> Image<Straight> {
     let width = TWIG_PX * TWIGS;
     let texel = |x: u32, y: u32| {
         let twig = &twigs[(x / TWIG_PX) as usize];
@@ -264,7 +312,11 @@ fn picture(shape: LeafShape, palette: &[[f32; 3]], seed: Seed) -> Image<Straight
         .into_par_iter()
         .flat_map_iter(|y| (0..width).map(move |x| texel(x, y)))
         .collect();
-    bled(&Image::from_pixels(width, TWIG_PX * SHADES as u32, rows))
+    lasting(&bled(&Image::from_pixels(
+        width,
+        TWIG_PX * SHADES as u32,
+        rows,
+    )))
 }
 
 #[cfg(test)]
@@ -278,6 +330,47 @@ mod tests {
         assert!(palette.windows(2).all(|pair| pair[0][0] < pair[1][0]));
         for (color, group) in colors.iter().zip(groups) {
             assert!((color[0] - palette[group][0]).abs() < 0.1);
+        }
+    }
+
+    #[test]
+    fn normals_stay_in_front_of_their_side() {
+        let side = DVec3::Z;
+        let slanted = DVec3::new(0.6, 0.0, 0.8);
+        assert_eq!(in_front(slanted, side), slanted);
+        let turned = in_front(DVec3::new(0.6, 0.0, -0.8), side);
+        assert!((turned.length() - 1.0).abs() < 1e-12);
+        assert!((turned.z - LEAST_FACING).abs() < 1e-12 && turned.x > 0.9);
+        assert!(in_front(-side, side).distance(side) < 1e-12);
+    }
+
+    #[test]
+    fn a_leaf_has_three_sides_whose_normals_are_in_front() {
+        let crown = Crown {
+            center_m: DVec3::new(0.0, 5.0, 0.0),
+            radius_m: Cubemap::filled(32, 2.0),
+            color: Cubemap::filled(32, Straight([60, 120, 40, 255])),
+            height: Cubemap::filled(32, 0.5),
+            base_mesh: crate::geometry::Mesh::default(),
+        };
+        let stand = Stand {
+            height_m: 7.0,
+            shift: DVec3::ZERO,
+        };
+        let leaves = LeafCards::new(&crown, LeafShape::Ovate, 40, Seed(1));
+        let mesh = leaves.cards(40, &stand);
+        assert_eq!(mesh.positions.len(), 40 * 3 * 8);
+        assert_eq!(mesh.indices.len(), 40 * 3 * 6 * 3);
+        for corners in mesh.indices.as_chunks::<3>().0 {
+            let [a, b, c] =
+                corners.map(|i| glam::Vec3::from(mesh.positions[i as usize]).as_dvec3());
+            let Some(face) = (b - a).cross(c - a).try_normalize() else {
+                continue;
+            };
+            for corner in corners {
+                let normal = glam::Vec3::from(mesh.normals[*corner as usize]).as_dvec3();
+                assert!(normal.dot(face) > 0.05, "{normal} {face}");
+            }
         }
     }
 

@@ -20,13 +20,16 @@ mod crown_mesh;
 mod crown_model;
 mod cutout;
 mod dds;
+mod exr;
 mod gallery;
 mod glb;
-mod glb_file;
 mod impostor;
 mod ktx2_file;
+mod leaf_alpha;
 mod leaf_cards;
+mod lod_model;
 mod mips;
+mod model_mesh;
 mod obj;
 mod ply;
 mod preset;
@@ -36,12 +39,13 @@ mod sprite;
 mod sprite_atlas;
 mod stem;
 mod tree_model;
+mod twig_outline;
 
 pub use atlas::{AtlasLayout, atlas};
 pub use atlas_json::{AtlasSprite, atlas_json_array, atlas_json_hash};
 pub use bleed::{bled, bled_from};
 pub use blocks::{BlockFormat, CompressedLevels, compressed};
-pub use cards::{CardMesh, Flat, crossed};
+pub use cards::{Flat, crossed};
 pub use crown_folder::{
     CROWN_RECORD, CrownFolderError, CrownRecord, crown_file_names, crown_files, crown_from_files,
 };
@@ -49,14 +53,17 @@ pub use crown_mesh::crown_glb;
 pub use crown_model::{CrownModel, ModelMaterial, leaf_model, surface_model};
 pub use cutout::{Cutout, cutout};
 pub use dds::encode_dds;
-pub use gallery::{GalleryTree, gallery_list, gallery_page, gallery_tree};
-pub use glb::{GlbError, MeshParts, glb};
-pub use glb_file::{Glb, Instance, Material, MeshId, NodeId};
+pub use exr::{encode_exr_colors, encode_exr_values};
+pub use gallery::{GalleryTree, gallery_crown, gallery_list, gallery_page, gallery_tree};
+pub use glb::{Glb, GlbError, Instance, Material, MeshId, NodeId};
 pub use impostor::{
-    Impostor, ImpostorForm, ImpostorSettings, frame_direction, godot_shader, impostor, three_module,
+    Impostor, ImpostorForm, ImpostorSettings, frame_direction, godot_shader, impostor, portrait,
+    three_module,
 };
 pub use ktx2_file::{encode_ktx2, encode_ktx2_colors, encode_ktx2_radii};
+pub use lod_model::{LodModel, LodStyle, WindChannels, lod_glb};
 pub use mips::{ALPHA_CUTOFF, coverage, data_mips, mips, normal_mips};
+pub use model_mesh::ModelMesh;
 pub use obj::obj;
 pub use ply::{PlyError, decode_ply, encode_ply};
 pub use preset::{Preset, TextureStyle};
@@ -68,4 +75,4 @@ pub use sprite::{Sprite, SpriteError, SpriteSettings};
 pub use sprite_atlas::{
     AtlasError, AtlasSettings, PageContent, Placed, SpriteLayout, atlas_layout, atlas_page,
 };
-pub use tree_model::{Lod, TreeModel, WindChannels, tree_glb};
+pub use tree_model::{Lod, TreeModel};

@@ -140,7 +140,7 @@ impl Preset {
     pub fn crown_readme(self) -> String {
         let models = match self {
             Self::Blender => {
-                "File > Import > glTF 2.0: models/NAME.glb has leaf cards, models/NAME_surface.glb a closed surface; origin at the foot, metres."
+                "File > Import > glTF 2.0: models/NAME.glb has leaf cards, models/NAME_surface.glb a closed surface; origin at the foot, metres. In Cycles set Light Paths > Transparent to 64: crowns are many clear layers."
             }
             Self::Godot => {
                 "Copy this folder into the project: models/NAME.glb (leaf cards) and NAME_surface.glb (closed surface) import as scenes, origin at the foot, metres."
@@ -151,7 +151,10 @@ impl Preset {
             Self::Unreal => {
                 "Drop models/SM_NAME.glb (leaf cards) and SM_NAME_surface.glb into the content browser; pivot at the foot."
             }
-            Self::Web | Self::FlightGear => {
+            Self::Web => {
+                "Open index.html in a browser, from disk or from a server: all crowns, to be turned with the mouse. models/NAME.glb (leaf cards) and NAME_surface.glb load in three.js and Babylon.js."
+            }
+            Self::FlightGear => {
                 "models/NAME.glb (leaf cards) and NAME_surface.glb (closed surface) load in three.js, Babylon.js and model-viewer; origin at the foot, metres."
             }
         };

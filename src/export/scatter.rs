@@ -4,8 +4,8 @@
 //! one another; sizes vary by a fifth. The scene shows the second level of detail of each tree if it
 //! has one: it is seen from afar.
 
-use super::glb_file::{Glb, Instance};
-use super::tree_model::TreeModel;
+use super::glb::{Glb, GlbError, Instance};
+use super::lod_model::{LodModel, WindChannels};
 use crate::base::Seed;
 
 /// How a scene is scattered.
@@ -17,18 +17,26 @@ pub struct ScatterSettings {
     pub spacing_m: f64,
     /// Whether copies are drawn by `EXT_mesh_gpu_instancing`; otherwise each has its node.
     pub instanced: bool,
+    /// Where wind weights go.
+    pub wind: WindChannels,
 }
 
 /// How far from the middle of its cell a tree may stand, in cells.
 const JITTER: f64 = 0.3;
 
-/// The scene's file; trees are drawn in turn from `models`.
+/// The scene's file; each tree is one of `models`, drawn at random.
+///
+/// # Errors
+/// [`GlbError`], for meshes that are none.
+///
+/// # Panics
+/// Without models.
 pub fn scattered(
-    models: &[TreeModel<'_>],
+    models: &[impl LodModel],
     settings: ScatterSettings,
     seed: Seed,
     copyright: Option<&str>,
-) -> Vec<u8> {
+) -> Result<Vec<u8>, GlbError> {
     let mut glb = Glb::new(copyright);
     let mut places: Vec<Vec<Instance>> = vec![Vec::new(); models.len()];
     let mut random = seed.derive("scatter", 0).random();
@@ -53,14 +61,15 @@ pub fn scattered(
         if places.is_empty() {
             continue;
         }
-        let meshes = model.meshes(&mut glb);
-        let mesh = meshes[1.min(meshes.len() - 1)];
+        let materials = model.add_materials(&mut glb);
+        let level = 1.min(model.level_count() - 1);
+        let mesh = model.add_level(&mut glb, &materials, level, settings.wind);
         if settings.instanced {
-            let node = glb.instanced_node(model.name, mesh, places);
+            let node = glb.instanced_node(model.name(), mesh, places);
             glb.show(node);
         } else {
             for (index, place) in places.iter().enumerate() {
-                let node = glb.placed_node(&format!("{}_{index}", model.name), mesh, place);
+                let node = glb.placed_node(&format!("{}_{index}", model.name()), mesh, place);
                 glb.show(node);
             }
         }

@@ -5,7 +5,7 @@
 //! any sampler will do. Furrows are in the picture only: at the distance from which whole trees are
 //! seen they have no outline.
 
-use super::cards::CardMesh;
+use super::model_mesh::ModelMesh;
 use crate::geometry::Mesh;
 use crate::raster::{Image, Straight};
 use crate::render::{on_trunk, srgb_byte};
@@ -46,7 +46,7 @@ pub(super) fn bark_picture(trunk: &Trunk) -> Image<Straight> {
 }
 
 /// The tube of `trunk` in `around` × `along` quads.
-pub(super) fn stem(trunk: &Trunk, stand: &Stand, around: u32, along: u32) -> CardMesh {
+pub(super) fn stem(trunk: &Trunk, stand: &Stand, around: u32, along: u32) -> ModelMesh {
     let ring = |j: u32| {
         let share = f64::from(j) / f64::from(along);
         // Rings are nearer to each other at the foot, where the roots flare.
@@ -70,7 +70,7 @@ pub(super) fn stem(trunk: &Trunk, stand: &Stand, around: u32, along: u32) -> Car
         }
     }
     let normals = closed.vertex_normals();
-    let mut mesh = CardMesh::default();
+    let mut mesh = ModelMesh::default();
     for j in 0..=along {
         for i in 0..=around {
             let vertex = (j * around + i % around) as usize;

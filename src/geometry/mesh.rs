@@ -112,14 +112,6 @@ impl Mesh {
             triangles: self.triangles.iter().map(renamed).collect(),
         }
     }
-
-    /// Adds the vertices and triangles of `other`, which stay apart from those that are there.
-    pub fn append(&mut self, other: &Self) {
-        let offset = self.positions.len() as u32;
-        self.positions.extend_from_slice(&other.positions);
-        let shifted = other.triangles.iter().map(|t| t.map(|v| v + offset));
-        self.triangles.extend(shifted);
-    }
 }
 
 #[cfg(test)]
@@ -131,6 +123,16 @@ pub(super) mod tests {
         Mesh {
             positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z],
             triangles: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
+        }
+    }
+
+    /// `a` and `b` side by side: no vertex is shared.
+    pub(in crate::geometry) fn beside(a: &Mesh, b: &Mesh) -> Mesh {
+        let offset = a.positions.len() as u32;
+        let shifted = b.triangles.iter().map(|t| t.map(|v| v + offset));
+        Mesh {
+            positions: [&a.positions[..], &b.positions].concat(),
+            triangles: a.triangles.iter().copied().chain(shifted).collect(),
         }
     }
 
@@ -161,11 +163,11 @@ pub(super) mod tests {
     #[test]
     fn unused_vertices_go_and_the_rest_keep_their_order() {
         let mut mesh = tetrahedron();
-        let mut spaced = Mesh {
+        let unused = Mesh {
             positions: vec![DVec3::ONE],
             triangles: Vec::new(),
         };
-        spaced.append(&mesh);
+        let spaced = beside(&unused, &mesh);
         assert_eq!(spaced.without_unused(), mesh);
         mesh.triangles.clear();
         assert_eq!(mesh.bounds(), None);

@@ -12,7 +12,7 @@ mod topology;
 
 pub use equal_chords::equal_chords;
 pub use mesh::Mesh;
-pub use polygon::{Polygon, contains, perimeter, segments_cross, self_crossings, signed_area};
+pub use polygon::{Polygon, contains, signed_area};
 pub use topology::Topology;
 
 /// A point or vector in the plane; x to the right, y down, in pixels unless said otherwise.

@@ -168,7 +168,7 @@ fn root(parents: &mut [u32], mut vertex: u32) -> u32 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::mesh::tests::tetrahedron;
+    use super::super::mesh::tests::{beside, tetrahedron};
     use super::*;
     use glam::DVec3;
 
@@ -190,8 +190,8 @@ mod tests {
 
     #[test]
     fn two_solids_that_touch_in_a_vertex_or_an_edge_are_not_one() {
-        let mut apart = tetrahedron();
-        apart.append(&tetrahedron().moved(|p| -p).reversed());
+        let mirrored = tetrahedron().moved(|p| -p).reversed();
+        let apart = beside(&tetrahedron(), &mirrored);
         let two = Topology::of(&apart);
         assert!(two.is_watertight());
         assert_eq!((two.components, two.genus()), (2, Some(0)));

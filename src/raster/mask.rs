@@ -133,14 +133,16 @@ fn into_gray_image(image: Image<u8>) -> image::GrayImage {
         .unwrap_or_else(|| unreachable!("an image's pixels fill it"))
 }
 
+/// A mask drawn in rows of characters: `#` is set, anything else is not.
+#[cfg(test)]
+pub(crate) fn mask(rows: &[&str]) -> Mask {
+    let pixels = rows.iter().flat_map(|row| row.bytes().map(|b| b == b'#'));
+    Image::from_pixels(rows[0].len() as u32, rows.len() as u32, pixels.collect())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn mask(rows: &[&str]) -> Mask {
-        let pixels = rows.iter().flat_map(|row| row.bytes().map(|b| b == b'#'));
-        Image::from_pixels(rows[0].len() as u32, rows.len() as u32, pixels.collect())
-    }
 
     #[test]
     fn dilation_is_square() {

@@ -29,6 +29,8 @@ pub use cube_grid::{folded, smoothed_cubemap};
 pub use cubemap::{CubeFace, Cubemap};
 pub use grey16::{Grey16Error, decode_grey16_png, encode_grey16_png};
 pub use image::{Image, Premultiplied, Straight};
+#[cfg(test)]
+pub(crate) use mask::mask;
 pub use mask::{Mask, dilated, flooded_from_outside, labelled_components, opaque_bounds};
 pub use read::{
     ImageError, PictureFormat, ReadLimits, Refusal, read_image, read_image_from_memory,

@@ -150,11 +150,6 @@ impl Network {
         }
     }
 
-    /// Number of nodes.
-    pub fn node_count(&self) -> usize {
-        self.terminals.len()
-    }
-
     /// Lets `capacity` more flow from the source to `node`: what a cut pays with `node` on the
     /// sink's side. [`HARD`] holds the node on the source's side.
     ///

@@ -54,18 +54,6 @@ pub struct FoliageCubemap {
     pub(super) exemplar: Exemplar,
 }
 
-/// How far the crown of `mask` reaches from `center`, pixels, if it is as deep as wide; `None` when the mask is empty.
-pub fn extent_of(mask: &Mask, center: Point) -> Option<Extent> {
-    let bounds = opaque_bounds(mask)?;
-    let (top, height) = (f64::from(bounds.y) - 0.5, f64::from(bounds.height));
-    Some(Extent {
-        across: f64::from(bounds.width) / 2.0,
-        depth: f64::from(bounds.width) / 2.0,
-        up: (center.y - top).clamp(0.0, height),
-        down: (top + height - center.y).clamp(0.0, height),
-    })
-}
-
 /// The foliage of `photo` inside `mask` around a crown of `extent`. Stages: `exemplar`, those of
 /// [`texture`](super::texture) three times, `assemble`.
 ///
@@ -226,13 +214,5 @@ mod tests {
             scaled(&empty),
             SynthesisError::TooLittleFoliage { pixels: 0 }
         ));
-    }
-
-    #[test]
-    fn the_extent_is_measured_from_the_centre_to_the_edge() {
-        let mask = Image::filled(10, 20, true);
-        let extent = extent_of(&mask, Point::new(4.5, 4.5)).unwrap();
-        assert_eq!((extent.across, extent.up, extent.down), (5.0, 5.0, 15.0));
-        assert_eq!(extent_of(&Image::filled(3, 3, false), Point::ZERO), None);
     }
 }

@@ -35,7 +35,7 @@ mod wrapping;
 pub use assembly::{Lattice, LatticeSize, assembled};
 pub use canvas::Known;
 pub use cube_seam::cube_seam;
-pub use cubemap::{CubemapSettings, FoliageCubemap, extent_of, foliage_cubemap};
+pub use cubemap::{CubemapSettings, FoliageCubemap, foliage_cubemap};
 pub use edge_statistic::{EdgeStatistic, edge_statistic};
 pub use exemplar::{Exemplar, ExemplarSettings, FEWEST_PIXELS, MOST_LEVELS};
 pub use photo_front::{CrownSurface, with_photo_front};

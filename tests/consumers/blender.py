@@ -3,8 +3,9 @@
     pip install bpy
     python blender.py FOLDER OUT [NAME …]
 
-Fails when a tree does not stand on the ground, has another height than library.json says, or is not
-alpha-tested. Writes OUT/NAME.png, rendered from a low camera, to be looked at.
+Fails when a tree does not stand on the ground, has another height than library.json says, or has no
+wind weights. Writes OUT/NAME.png, rendered by Cycles with its own defaults from a low camera, to be
+looked at; of a crown also OUT/NAME_surface.png.
 """
 import json
 import math
@@ -48,6 +49,23 @@ def render(path, height, distance):
     bpy.ops.render.render(write_still=True)
 
 
+def check(model, name, height, slack):
+    """Imports `model` and hides all but its finest level; what is wrong with it."""
+    empty_scene()
+    bpy.ops.import_scene.gltf(filepath=str(model))
+    meshes = [o for o in bpy.context.scene.objects if o.type == "MESH"]
+    for o in meshes:
+        o.hide_render = o.name.endswith(("_LOD1", "_LOD2", "_LOD3"))
+    meshes = [o for o in meshes if not o.hide_render]
+    least, most = bounds(meshes)
+    failures = []
+    if abs(least[2]) > 0.04 * height or abs(most[2] - height) > slack * height:
+        failures.append(f"{name}: from {least[2]:.2f} to {most[2]:.2f} m, not 0 to {height:.2f}")
+    if any("_WIND" not in o.data.attributes for o in meshes):
+        failures.append(f"{name}: no wind weights")
+    return failures
+
+
 def main(folder, out, names):
     library = json.loads((folder / "library.json").read_text())
     out.mkdir(parents=True, exist_ok=True)
@@ -55,16 +73,16 @@ def main(folder, out, names):
     for tree in library["trees"]:
         if names and tree["name"] not in names:
             continue
-        empty_scene()
-        bpy.ops.import_scene.gltf(filepath=str(folder / tree["files"]["model"]))
-        meshes = [o for o in bpy.context.scene.objects if o.type == "MESH" and not o.name.endswith(("_LOD1", "_LOD2"))]
-        least, most = bounds(meshes)
         height = (tree["pivot_px"][1] - tree["frame"]["y"]) * tree["metres_per_pixel"]
-        if abs(least[2]) > 0.04 * height or abs(most[2] - height) > 0.04 * height:
-            failures.append(f"{tree['name']}: from {least[2]:.2f} to {most[2]:.2f} m, not 0 to {height:.2f}")
-        if any("_WIND" not in o.data.attributes for o in meshes):
-            failures.append(f"{tree['name']}: no wind weights")
+        failures += check(folder / tree["files"]["model"], tree["name"], height, 0.04)
         render(out / f"{tree['name']}.png", height, 2.6 * height)
+    for crown in library.get("crowns", []):
+        if names and crown["name"] not in names:
+            continue
+        height = crown["size_m"][1]
+        for key, end in (("model", ""), ("surface", "_surface")):
+            failures += check(folder / crown["files"][key], crown["name"] + end, height, 0.1)
+            render(out / f"{crown['name']}{end}.png", height, 2.6 * height)
     if (folder / "scatter.glb").exists() and not names:
         empty_scene()
         bpy.ops.import_scene.gltf(filepath=str(folder / "scatter.glb"))

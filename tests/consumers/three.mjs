@@ -3,8 +3,10 @@
 // Needs chromium (or CHROMIUM=its path) and `npm install three` in this folder, above, or in the
 // folder of node_modules that NODE_PATH names. Fails when a tree does not stand on the ground, has
 // another height than library.json says, shows another silhouette than its picture (upside down,
-// mirrored, cut off) from the front or the back, or loses leaves at a distance. Writes OUT/NAME.png
-// (front, two sides, back, from above, far away) and OUT/scatter.png, to be looked at.
+// mirrored, cut off) from the front or the back, or loses leaves at a distance. Of a crown it loads
+// the leaf model, the surface and the impostors with their sample shader, and fails when these have
+// not the size and the outline of the leaf model. Writes OUT/NAME.png (front, two sides, back, from
+// above, far away; of a crown one row a form) and OUT/scatter.png, to be looked at.
 import { spawn } from "node:child_process";
 import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { createServer } from "node:http";
@@ -20,12 +22,13 @@ const three = modules.filter(Boolean).map(path => join(path, "three")).find(exis
 if (!three) throw new Error("three is not installed");
 mkdirSync(out, { recursive: true });
 const library = JSON.parse(readFileSync(join(folder, "library.json")));
-const trees = library.trees.filter(tree => !names.length || names.includes(tree.name));
+const wanted = list => (list ?? []).filter(tree => !names.length || names.includes(tree.name));
+const [trees, crowns] = [wanted(library.trees), wanted(library.crowns)];
 const types = { ".js": "text/javascript", ".html": "text/html", ".png": "image/png", ".json": "application/json" };
 
 function answered(path) {
   if (path === "/") return [readFileSync(join(here, "three.html")), ".html"];
-  if (path === "/trees") return [JSON.stringify({ trees }), ".json"];
+  if (path === "/trees") return [JSON.stringify({ trees, crowns }), ".json"];
   const [root, rest] = path.startsWith("/three/") ? [three, path.slice(7)] : [folder, path.slice(8)];
   return [readFileSync(join(root, normalize(`/${rest}`))), extname(rest)];
 }
@@ -75,7 +78,7 @@ server.listen(0, "127.0.0.1", () => {
   browser = spawn(process.env.CHROMIUM ?? "chromium", [...flags, `--user-data-dir=${profile}`, page], { stdio: "ignore" });
   browser.on("exit", () => {
     server.close();
-    rmSync(profile, { recursive: true, force: true, maxRetries: 5 });
+    rmSync(profile, { recursive: true, force: true, maxRetries: 20, retryDelay: 250 });
   });
 });
 setTimeout(() => {

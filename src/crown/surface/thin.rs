@@ -7,6 +7,7 @@
 //! have a quadrilateral between them. A gap is at least 90° wide, so rims of different places keep
 //! apart.
 
+use super::super::domain::AROUND;
 use super::plan::{Plan, strip_height};
 use crate::geometry::Point;
 use crate::raster::{Image, Mask};
@@ -16,18 +17,6 @@ use std::f64::consts::{FRAC_PI_4, PI};
 
 /// Half the width of a pixel: how far the rim of a thin place lies from the pixels' centres.
 const RIM_PX: f64 = 0.5;
-
-/// The eight neighbours, counter-clockwise in (x, y) from +x on.
-const NEIGHBOURS: [(i64, i64); 8] = [
-    (1, 0),
-    (1, 1),
-    (0, 1),
-    (-1, 1),
-    (-1, 0),
-    (-1, -1),
-    (0, -1),
-    (1, -1),
-];
 
 /// A range of directions around a pixel that no triangle takes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -71,7 +60,7 @@ fn direction(angle: f64) -> DVec2 {
 
 /// The gaps of the pixel at (x, y), counter-clockwise, and whether the pixel is ordinary: one fan.
 fn gaps(mask: &Mask, x: i64, y: i64) -> (Vec<Gap>, bool) {
-    let present = NEIGHBOURS.map(|(dx, dy)| mask.get(x + dx, y + dy) == Some(true));
+    let present = AROUND.map(|(dx, dy)| mask.get(x + dx, y + dy) == Some(true));
     // Whether the eighth of a turn behind each neighbour is taken by a triangle.
     let filled: [bool; 8] = std::array::from_fn(|eighth| {
         let (axis, diagonal) = (eighth.div_ceil(2) * 2 % 8, eighth / 2 * 2 + 1);
@@ -177,7 +166,7 @@ fn lifted(
 /// Adds what lies between a thin pixel, its rim and its neighbours.
 fn add_rim_triangles(plan: &mut Plan, pixel: &ThinPixel, thin: &BTreeMap<u32, ThinPixel>) {
     let number = |numbers: &Image<u32>, d: usize| {
-        let (dx, dy) = NEIGHBOURS[d];
+        let (dx, dy) = AROUND[d];
         numbers.at((pixel.x + dx) as u32, (pixel.y + dy) as u32)
     };
     let here = pixel.vertex;
@@ -214,11 +203,7 @@ fn add_rim_triangles(plan: &mut Plan, pixel: &ThinPixel, thin: &BTreeMap<u32, Th
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn mask(rows: &[&str]) -> Mask {
-        let pixels = rows.iter().flat_map(|row| row.bytes().map(|b| b == b'#'));
-        Image::from_pixels(rows[0].len() as u32, rows.len() as u32, pixels.collect())
-    }
+    use crate::raster::mask;
 
     #[test]
     fn gaps_lie_between_fans_and_bare_edges() {

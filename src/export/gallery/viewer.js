@@ -26,6 +26,7 @@ const gallery = (() => {
     gl.bindAttribLocation(made, 0, "position");
     gl.bindAttribLocation(made, 1, "uv");
     gl.bindAttribLocation(made, 2, "frame");
+    gl.bindAttribLocation(made, 3, "normal");
     gl.linkProgram(made);
     return made;
   };
@@ -49,6 +50,22 @@ const gallery = (() => {
       float through = 0.25 * max(-dot(n, sun), 0.0);
       float sky = 0.5 + 0.25 * n.y;
       vec3 light = vec3(1.0, 0.95, 0.85) * (direct + through) * 1.1 + vec3(0.75, 0.85, 1.0) * sky;
+      gl_FragColor = vec4(pow(pow(leaf.rgb, vec3(2.2)) * light, vec3(1.0 / 2.2)), 1.0);
+    }`);
+  const modelProgram = program(`
+    attribute vec3 position; attribute vec2 uv; attribute vec3 normal;
+    uniform mat4 clip; varying vec2 at; varying vec3 n;
+    void main() { at = uv; n = normal; gl_Position = clip * vec4(position, 1.0); }`, `
+    precision highp float;
+    varying vec2 at; varying vec3 n;
+    uniform sampler2D albedo; uniform vec3 sun; uniform float solid;
+    void main() {
+      vec4 leaf = texture2D(albedo, at);
+      if (solid < 0.5 && leaf.a < 0.5) discard;
+      vec3 m = normalize(n);
+      float direct = max(dot(m, sun), 0.0);
+      float through = 0.25 * max(-dot(m, sun), 0.0);
+      vec3 light = vec3(1.0, 0.95, 0.85) * (direct + through) * 1.1 + vec3(0.75, 0.85, 1.0) * (0.5 + 0.25 * m.y);
       gl_FragColor = vec4(pow(pow(leaf.rgb, vec3(2.2)) * light, vec3(1.0 / 2.2)), 1.0);
     }`);
   const groundProgram = program(`
@@ -154,7 +171,43 @@ const gallery = (() => {
   };
   const long = gl.getExtension("OES_element_index_uint");
 
+  // The finest level of a GLB file as lists for WebGL; only what our own files hold is understood.
+  const builtModel = async model => {
+    const bytes = Uint8Array.from(atob(model.glb), digit => digit.charCodeAt(0));
+    const length = new DataView(bytes.buffer).getUint32(12, true), start = 28 + length;
+    const json = JSON.parse(new TextDecoder().decode(bytes.subarray(20, 20 + length)));
+    const viewed = index => {
+      const view = json.bufferViews[index];
+      return bytes.slice(start + view.byteOffset, start + view.byteOffset + view.byteLength);
+    };
+    const kinds = { 5123: Uint16Array, 5125: Uint32Array, 5126: Float32Array };
+    const list = index => new kinds[json.accessors[index].componentType](viewed(json.accessors[index].bufferView).buffer);
+    const textures = await Promise.all(json.images.map(async image => {
+      const blob = new Blob([viewed(image.bufferView)], { type: image.mimeType });
+      const pixels = await createImageBitmap(blob, { premultiplyAlpha: "none", colorSpaceConversion: "none" });
+      return texture(pixels);
+    }));
+    const node = json.nodes.find(node => node.name === model.name + "_LOD0");
+    let tall = 0, wide = 0;
+    const parts = json.meshes[node.mesh].primitives.map(part => {
+      const material = json.materials[part.material], at = part.attributes;
+      const { min, max } = json.accessors[at.POSITION];
+      tall = Math.max(tall, max[1]);
+      wide = Math.max(wide, max[0] - min[0]);
+      const indices = list(part.indices);
+      return {
+        count: indices.length, long: indices instanceof Uint32Array,
+        position: buffer(gl.ARRAY_BUFFER, list(at.POSITION)), uv: buffer(gl.ARRAY_BUFFER, list(at.TEXCOORD_0)),
+        normal: buffer(gl.ARRAY_BUFFER, list(at.NORMAL)), indices: buffer(gl.ELEMENT_ARRAY_BUFFER, indices),
+        solid: material.alphaMode === "MASK" ? 0 : 1,
+        texture: textures[json.textures[material.pbrMetallicRoughness.baseColorTexture.index].source],
+      };
+    });
+    return { parts: parts.filter(part => long || !part.long), size: [wide, tall] };
+  };
+
   const built = async tree => {
+    if (tree.glb) return builtModel(tree);
     const [albedo, normal, depth] = await Promise.all([tree.albedo, tree.normal, tree.depth].map(s => s && picture(s)));
     const mesh = depth && long ? raised(tree, albedo, depth) : crossed(tree);
     const list = long ? new Uint32Array(mesh.indices) : new Uint16Array(mesh.indices);
@@ -212,6 +265,7 @@ const gallery = (() => {
     gl.uniform3fv(uniform(groundProgram, "sun"), sun);
     gl.uniform2fv(uniform(groundProgram, "size"), shown.size);
     gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
+    if (shown.parts) return drawModel(clip, sun);
     gl.useProgram(treeProgram);
     gl.bindBuffer(gl.ARRAY_BUFFER, shown.vertices);
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, shown.indices);
@@ -228,6 +282,28 @@ const gallery = (() => {
     gl.uniform3fv(uniform(treeProgram, "sun"), sun);
     gl.uniform1f(uniform(treeProgram, "round"), shown.round);
     gl.drawElements(gl.TRIANGLES, shown.count, long ? gl.UNSIGNED_INT : gl.UNSIGNED_SHORT, 0);
+  };
+  const drawModel = (clip, sun) => {
+    const uniform = name => gl.getUniformLocation(modelProgram, name);
+    gl.useProgram(modelProgram);
+    gl.enable(gl.CULL_FACE);
+    gl.uniformMatrix4fv(uniform("clip"), false, clip);
+    gl.uniform3fv(uniform("sun"), sun);
+    gl.uniform1i(uniform("albedo"), 0);
+    gl.activeTexture(gl.TEXTURE0);
+    for (const part of shown.parts) {
+      for (const [at, data, count] of [[0, part.position, 3], [1, part.uv, 2], [3, part.normal, 3]]) {
+        gl.bindBuffer(gl.ARRAY_BUFFER, data);
+        gl.enableVertexAttribArray(at);
+        gl.vertexAttribPointer(at, count, gl.FLOAT, false, 0, 0);
+      }
+      gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, part.indices);
+      gl.bindTexture(gl.TEXTURE_2D, part.texture);
+      gl.uniform1f(uniform("solid"), part.solid);
+      gl.drawElements(gl.TRIANGLES, part.count, part.long ? gl.UNSIGNED_INT : gl.UNSIGNED_SHORT, 0);
+    }
+    gl.disable(gl.CULL_FACE);
+    gl.disableVertexAttribArray(3);
   };
   const redraw = () => { if (!drawn) drawn = requestAnimationFrame(draw); };
 
@@ -277,7 +353,7 @@ const gallery = (() => {
       for (const entry of list) {
         const button = document.createElement("button"), image = new Image(), name = document.createElement("span");
         image.loading = "lazy"; image.alt = ""; image.src = entry.thumbnail;
-        name.textContent = entry.name;
+        name.textContent = button.title = entry.name;
         button.dataset.name = entry.name;
         button.append(image, name);
         button.addEventListener("click", () => show(entry));

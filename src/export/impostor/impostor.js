@@ -29,6 +29,7 @@ uniform sampler2D normalAtlas;
 uniform float frames;
 uniform bool fullSphere;
 uniform float halfSide;
+uniform float depthUnit;
 uniform float cutoff;
 uniform vec3 sunDirection;
 uniform vec3 sunLight;
@@ -61,13 +62,21 @@ vec3 directionOf(vec2 frame) {
   vec2 c = vec2(p.x + p.y, p.x - p.y) * 0.5;
   return normalize(vec3(c.x, max(1.0 - abs(c.x) - abs(c.y), 0.0), c.y));
 }
-// Where the ray through the place on the quad meets the plane of a frame, as a place in the atlas.
+// Where the ray through the place on the quad meets what a frame shows, as a place in the atlas: first
+// the plane through the centre, then twice the plane at the depth that is found there.
 vec2 uvOf(vec2 frame, vec3 ray, out float inside) {
   vec3 d = directionOf(frame);
   mat2x3 axes = axesOf(d);
   float along = dot(ray, d);
-  vec3 hit = eye - ray * (dot(eye, d) / (abs(along) < 1e-4 ? 1e-4 : along));
-  vec2 uv = vec2(dot(hit, axes[0]), -dot(hit, axes[1])) / (2.0 * halfSide) + 0.5;
+  along = abs(along) < 1e-4 ? 1e-4 : along;
+  vec2 uv = vec2(0.5);
+  float depth = 0.0;
+  for (int i = 0; i < 3; i++) {
+    vec3 hit = eye + ray * ((depth - dot(eye, d)) / along);
+    uv = vec2(dot(hit, axes[0]), -dot(hit, axes[1])) / (2.0 * halfSide) + 0.5;
+    vec2 place = (frame + clamp(uv, 0.002, 0.998)) / frames;
+    depth = depthUnit * (2.0 * texture2D(normalAtlas, place).a - 1.0);
+  }
   vec2 within = step(vec2(0.002), uv) * step(uv, vec2(0.998));
   inside = within.x * within.y;
   return (frame + clamp(uv, 0.002, 0.998)) / frames;
@@ -114,6 +123,7 @@ export function impostor(THREE, record, albedo, normal) {
       fullSphere: { value: record.form === 'full' },
       center: { value: new THREE.Vector3(...record.center_m) },
       halfSide: { value: record.half_m },
+      depthUnit: { value: record.depth_m },
       cutoff: { value: 0.5 },
       sunDirection: { value: new THREE.Vector3(-0.45, 0.74, 0.5).normalize() },
       sunLight: { value: new THREE.Color(1.5, 1.4, 1.25) },

@@ -1,0 +1,179 @@
+//! `boscage export` of crowns as a user runs it: the real binary on two small crowns, its files read
+//! back.
+#![allow(clippy::unwrap_used)]
+
+mod exported;
+
+use boscage::raster::{ReadLimits, read_image};
+use exported::{
+    boscage, contents, crowns, files_below, json, listed, schema_complaints, succeeded,
+};
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Small enough to be quick.
+const SMALL: [&str; 4] = ["--impostor-frames", "4", "--impostor-frame", "64"];
+
+fn exported(folder: &Path, preset: &str, out: &str, more: &[&str]) {
+    let usual = ["export", "crowns", "--preset", preset, "--out", out];
+    succeeded(&boscage(folder, &[&usual[..], &SMALL, more].concat()));
+}
+
+#[test]
+fn every_preset_lists_every_file_it_writes_and_keeps_to_the_schema() {
+    let folder = crowns();
+    for preset in ["blender", "godot", "unity", "unreal", "web"] {
+        exported(folder.path(), preset, preset, &["--exr"]);
+        let out = folder.path().join(preset);
+        let library = json(&out.join("library.json"));
+        let found: BTreeSet<PathBuf> = files_below(&out).into_iter().collect();
+        assert_eq!(listed(&library, &out, "crowns"), found, "{preset}");
+        let complaints = schema_complaints(&library);
+        assert!(complaints.is_empty(), "{preset}: {complaints:?}");
+        let names: Vec<&str> = library["crowns"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|crown| crown["name"].as_str().unwrap())
+            .collect();
+        assert_eq!(names, ["round", "tall"]);
+    }
+    let refused = boscage(
+        folder.path(),
+        &["export", "crowns", "--preset", "flightgear", "--out", "f"],
+    );
+    assert_eq!(refused.status.code(), Some(2));
+}
+
+#[test]
+fn models_stand_on_the_origin_in_four_levels_with_wind_and_single_sides() {
+    let folder = crowns();
+    exported(folder.path(), "unity", "out", &["--no-impostors"]);
+    let library = json(&folder.path().join("out/library.json"));
+    for crown in library["crowns"].as_array().unwrap() {
+        for (key, counts) in [
+            ("model", "leaf_triangles"),
+            ("surface", "surface_triangles"),
+        ] {
+            let path = crown["files"][key].as_str().unwrap();
+            let bytes = fs::read(folder.path().join("out").join(path)).unwrap();
+            let (document, buffers, _) = gltf::import_slice(&bytes).unwrap();
+            let counted: Vec<u64> = document.meshes().map(|mesh| triangles(&mesh)).collect();
+            let told = crown[counts].as_array().unwrap().iter();
+            assert_eq!(
+                counted,
+                told.map(|n| n.as_u64().unwrap()).collect::<Vec<_>>()
+            );
+            assert!(counted.windows(2).all(|pair| pair[1] * 2 < pair[0]));
+            let finest = document.meshes().next().unwrap();
+            let (mut low, mut high) = (f32::MAX, f32::MIN);
+            for primitive in finest.primitives() {
+                assert!(!primitive.material().double_sided());
+                let wind = primitive.attributes();
+                assert!(
+                    wind.into_iter()
+                        .any(|(name, _)| name.to_string() == "_WIND")
+                );
+                let reader = primitive.reader(|buffer| Some(&buffers[buffer.index()]));
+                for [_, y, _] in reader.read_positions().unwrap() {
+                    (low, high) = (low.min(y), high.max(y));
+                }
+            }
+            let height = crown["size_m"][1].as_f64().unwrap();
+            assert!(low.abs() < 0.1, "{low}");
+            assert!(
+                (f64::from(high) / height - 1.0).abs() < 0.1,
+                "{high} {height}"
+            );
+        }
+    }
+}
+
+fn triangles(mesh: &gltf::Mesh<'_>) -> u64 {
+    let counts = mesh
+        .primitives()
+        .map(|part| part.indices().unwrap().count());
+    counts.sum::<usize>() as u64 / 3
+}
+
+#[test]
+fn a_scene_shows_every_crown_and_a_gallery_holds_its_model() {
+    let folder = crowns();
+    exported(folder.path(), "web", "out", &["--no-impostors"]);
+    let out = folder.path().join("out");
+    let scene = fs::read(out.join("scatter.glb")).unwrap();
+    let scene = gltf::Gltf::from_slice_without_validation(&scene).unwrap();
+    assert_eq!(scene.nodes().count(), 2);
+    assert!(
+        scene
+            .extensions_used()
+            .any(|name| name == "EXT_mesh_gpu_instancing")
+    );
+    let list = fs::read_to_string(out.join("gallery.js")).unwrap();
+    for name in ["round", "tall"] {
+        let script = fs::read_to_string(out.join(format!("gallery/{name}.js"))).unwrap();
+        // "glTF" and version 2, in base 64.
+        assert!(script.contains("\"glb\":\"Z2xURgIAAA"), "{name}");
+        assert!(list.contains(&format!("gallery/{name}.js")));
+        let thumbnail = out.join(format!("gallery/{name}.png"));
+        let thumbnail = read_image(&thumbnail, ReadLimits::default()).unwrap();
+        let seen = thumbnail.map(|pixel| pixel.alpha() > 127);
+        let share = seen.count() as f64 / f64::from(thumbnail.width() * thumbnail.height());
+        assert!((0.05..0.8).contains(&share), "{name} {share}");
+    }
+}
+
+#[test]
+fn open_exr_faces_hold_the_radii_in_metres() {
+    let folder = crowns();
+    exported(
+        folder.path(),
+        "blender",
+        "out",
+        &["--no-impostors", "--exr"],
+    );
+    let cubemaps = folder.path().join("out/cubemaps/tall");
+    let record = json(&cubemaps.join("crown.json"));
+    let most = record["radius_max_m"].as_f64().unwrap();
+    let mut largest = 0.0f32;
+    for face in ["px", "nx", "py", "ny", "pz", "nz"] {
+        let bytes = fs::read(cubemaps.join(format!("radius_{face}.exr"))).unwrap();
+        assert_eq!(bytes[..4], [0x76, 0x2f, 0x31, 0x01]);
+        let colors = fs::read(cubemaps.join(format!("color_{face}.exr"))).unwrap();
+        assert_eq!(colors.len() % 4, bytes.len() % 4);
+        // The last line: as many floats as the face is wide.
+        let last = &bytes[bytes.len() - 4 * 32..];
+        for value in last.as_chunks::<4>().0 {
+            let metres = f32::from_le_bytes(*value);
+            assert!(metres > 0.0 && f64::from(metres) < most * 1.001);
+            largest = largest.max(metres);
+        }
+    }
+    assert!(f64::from(largest) > most / 4.0);
+}
+
+#[test]
+fn threads_shards_and_resume_change_no_byte() {
+    let folder = crowns();
+    let at = folder.path();
+    exported(at, "web", "one", &["--threads", "1"]);
+    for shard in ["0/2", "1/2"] {
+        exported(at, "web", "two", &["--shard", shard]);
+    }
+    exported(at, "web", "two", &["--resume"]);
+    let (one, two) = (contents(&at.join("one")), contents(&at.join("two")));
+    assert!(one == two, "the folders differ");
+    for lost in [
+        "models/tall.glb",
+        "gallery/round.js",
+        "impostors/tall_full_normal.png",
+    ] {
+        fs::remove_file(at.join("two").join(lost)).unwrap();
+    }
+    exported(at, "web", "two", &["--resume"]);
+    assert!(
+        one == contents(&at.join("two")),
+        "resuming changed something"
+    );
+}

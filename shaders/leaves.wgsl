@@ -119,7 +119,7 @@ fn corner(@builtin(vertex_index) vertex: u32, in: Crown) -> Leaf {
     out.point = vec4(point, metres / in.scale);
     out.turn = in.turn;
     let free = clamp(
-        (radius_samples / f32(frame.fineness) - KEPT_RADIUS) / (FREE_RADIUS - KEPT_RADIUS),
+        (radius_samples * frame.pixels_a_sample - KEPT_RADIUS) / (FREE_RADIUS - KEPT_RADIUS),
         0.0,
         1.0,
     );

@@ -24,9 +24,7 @@ fn srgb(linear: vec3<f32>) -> vec3<f32> {
 }
 
 // The pixel's colour as sRGB values, and its alpha, straight.
-@fragment
-fn sample(@builtin(position) place: vec4<f32>) -> @location(0) vec4<f32> {
-    let pixel = vec2<u32>(place.xy);
+fn toned(pixel: vec2<u32>) -> vec4<f32> {
     var light = vec3(0.0);
     var coverage = 0.0;
     for (var y = 0u; y < frame.fineness; y++) {
@@ -44,4 +42,17 @@ fn sample(@builtin(position) place: vec4<f32>) -> @location(0) vec4<f32> {
     }
     let count = f32(frame.fineness * frame.fineness);
     return vec4(srgb(light / coverage), coverage / count);
+}
+
+// For files.
+@fragment
+fn sample(@builtin(position) place: vec4<f32>) -> @location(0) vec4<f32> {
+    return toned(vec2<u32>(place.xy));
+}
+
+// For windows, which mix sRGB values that are multiplied by alpha.
+@fragment
+fn premultiplied(@builtin(position) place: vec4<f32>) -> @location(0) vec4<f32> {
+    let straight = toned(vec2<u32>(place.xy));
+    return vec4(straight.rgb * straight.a, straight.a);
 }

@@ -12,7 +12,7 @@ use boscage::geometry::Mesh;
 use boscage::raster::{Cubemap, Image, Straight, encode_png};
 use boscage::render::{
     Gpu, GpuRenderer, LeafClip, LeafSet, Mode, Occlusion, PreparedCrown, PreparedMesh, Proxy,
-    RenderError, RenderSettings, SceneView, Shortcut, View, cpu,
+    RenderError, RenderSettings, SceneView, Shortcut, View, Viewport, cpu,
 };
 use boscage::scene::{Backdrop, Camera, Crown, CrownInstance, Light, Trunk};
 use glam::DVec3;
@@ -34,6 +34,15 @@ const TESTS: &[Test] = &[
         too_large_a_picture_is_refused,
     ),
     ("a_broken_shader_is_an_error", a_broken_shader_is_an_error),
+    (
+        "a_viewport_at_rest_shows_the_final_picture",
+        a_viewport_at_rest_shows_the_final_picture,
+    ),
+    (
+        "a_viewport_shows_what_has_changed_of_a_crown",
+        a_viewport_shows_what_has_changed_of_a_crown,
+    ),
+    ("a_lost_device_is_an_error", a_lost_device_is_an_error),
 ];
 
 fn main() -> ExitCode {
@@ -309,4 +318,141 @@ fn a_broken_shader_is_an_error(gpu: &Gpu) {
     let broken = GpuRenderer::with_shaders(gpu.clone(), Proxy::Cube, |_| "no shader".into());
     assert!(broken.is_err());
     assert!(GpuRenderer::new(gpu.clone(), Proxy::Cube).is_ok());
+}
+
+/// Draws until the final picture is there; also gives how often.
+fn rested(viewport: &mut Viewport, view: &SceneView<'_>, settings: &RenderSettings) -> usize {
+    for count in 1..100_000 {
+        if viewport.draw(view, settings).unwrap().is_final {
+            return count;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
+    panic!("the picture is never final");
+}
+
+/// Fails when the viewport does not show the picture that a renderer without a window draws.
+fn assert_shows(
+    gpu: &Gpu,
+    viewport: &Viewport,
+    view: &SceneView<'_>,
+    settings: &RenderSettings,
+) -> Image<Straight> {
+    let expected = renderer(gpu).picture(view, settings).unwrap();
+    let shown = viewport.picture().unwrap();
+    let pairs = expected.pixels().iter().zip(shown.pixels());
+    let apart = pairs
+        .filter(|(one, other)| {
+            let one = one.premultiplied().0;
+            one.iter().zip(other.0).any(|(a, b)| a.abs_diff(b) > 1)
+        })
+        .count();
+    assert_eq!(apart, 0);
+    expected
+}
+
+fn a_viewport_at_rest_shows_the_final_picture(gpu: &Gpu) {
+    let settings = RenderSettings {
+        size: (201, 157),
+        fineness: 2,
+        ..settings()
+    };
+    let mut viewport = Viewport::new(gpu.clone()).unwrap();
+    for (mode, backdrop) in [
+        (Mode::Relief, Backdrop::Clear),
+        (Mode::Leaves, Backdrop::Sky),
+    ] {
+        with_view(&front(), backdrop, |view| {
+            let settings = RenderSettings { mode, ..settings };
+            let first = viewport.draw(view, &settings).unwrap();
+            let (generation, was_final) = (first.generation, first.is_final);
+            let calls = rested(&mut viewport, view, &settings);
+            assert!(was_final || calls > 1);
+            assert_shows(gpu, &viewport, view, &settings);
+            // And stays.
+            let last = viewport.draw(view, &settings).unwrap();
+            assert!(last.is_final && last.generation >= generation);
+            assert_eq!(last.size, settings.size);
+        });
+    }
+}
+
+fn a_viewport_shows_what_has_changed_of_a_crown(gpu: &Gpu) {
+    let settings = RenderSettings {
+        size: (120, 120),
+        ..settings()
+    };
+    let mut viewport = Viewport::new(gpu.clone()).unwrap();
+    let first = prepared();
+    let mut crown = lumpy();
+    crown.radius_m = crown.radius_m.map(|radius| radius * 0.8);
+    let smaller = vec![first[0].reshaped(&crown)];
+    crown.color = crown
+        .color
+        .map(|&Straight([r, g, b, a])| Straight([b, r, g, a]));
+    let red = vec![smaller[0].recolored(&crown)];
+    let both = vec![red[0].clone(), first[0].clone()];
+    let camera = front();
+    let mut last = None;
+    for crowns in [&first, &smaller, &red, &both, &first] {
+        let view = SceneView {
+            crowns,
+            instances: &[CrownInstance::plain(0)],
+            meshes: &[],
+            leaves: &LeafSet::default(),
+            camera: &camera,
+            light: &Light::default(),
+            backdrop: Backdrop::Studio,
+        };
+        rested(&mut viewport, &view, &settings);
+        let picture = assert_shows(gpu, &viewport, &view, &settings);
+        let changed = last.replace(picture.clone()) != Some(picture);
+        assert_eq!(
+            changed,
+            !std::ptr::eq(crowns, &both),
+            "only the last adds no change"
+        );
+    }
+}
+
+/// A device of its own, and what can be done to it.
+fn own_device() -> (wgpu::Device, Gpu) {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+    let adapter = pollster::block_on(instance.request_adapter(&Default::default())).unwrap();
+    let descriptor = wgpu::DeviceDescriptor::default();
+    let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).unwrap();
+    (device.clone(), Gpu::new(device, queue, adapter.get_info()))
+}
+
+fn a_lost_device_is_an_error(_: &Gpu) {
+    let settings = RenderSettings {
+        size: (96, 96),
+        ..settings()
+    };
+    with_view(&front(), Backdrop::Sky, |view| {
+        let (device, gpu) = own_device();
+        let mut viewport = Viewport::new(gpu.clone()).unwrap();
+        viewport.draw(view, &settings).unwrap();
+        let mut renderer = renderer(&gpu);
+        renderer.picture(view, &settings).unwrap();
+        device.destroy();
+        for _ in 0..3 {
+            let error = viewport.draw(view, &settings).unwrap_err();
+            assert!(matches!(error, RenderError::DeviceLost(_)), "{error}");
+            assert!(error.is_of_device());
+        }
+        assert!(viewport.picture().is_err());
+        assert!(
+            renderer
+                .picture(view, &settings)
+                .unwrap_err()
+                .is_of_device()
+        );
+        assert!(renderer.drawing_time_ms(view, &settings).is_err());
+        assert!(GpuRenderer::new(gpu.clone(), Proxy::Cube).is_err());
+        assert!(Viewport::new(gpu).is_err());
+        // The processor draws the view that the card cannot.
+        let twin = cpu::picture(view, &settings, &Progress::silent(), &Cancel::new()).unwrap();
+        assert!(twin.pixels().iter().all(|pixel| pixel.alpha() == 255));
+    });
 }

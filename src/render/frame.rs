@@ -96,8 +96,8 @@ pub struct Frame {
     pub fineness: u32,
     /// Leaves there are.
     pub point_count: u32,
-    /// To a multiple of 16 bytes.
-    pub padding: u32,
+    /// Pixels of the picture as it is shown, along a side of a sample.
+    pub pixels_a_sample: f32,
 }
 
 /// What is the same for all instances of a crown.
@@ -145,7 +145,9 @@ impl Frame {
     /// The numbers of a picture.
     pub fn new(view: &SceneView<'_>, settings: &RenderSettings) -> Self {
         let fine = settings.fineness;
-        let size = [settings.size.0 * fine, settings.size.1 * fine].map(|side| side as f32);
+        let (width, height) = settings.drawn_size();
+        let size = [width * fine, height * fine].map(|side| side as f32);
+        let pixels_a_sample = settings.size.1 as f32 / size[1];
         let axes = view.camera.axes();
         let (tan_x, tan_y) = view
             .camera
@@ -181,14 +183,14 @@ impl Frame {
                 Backdrop::Studio => 1,
                 Backdrop::Sky => 2,
             },
-            leaves_a_sample: settings.leaves.leaves_a_pixel / fine as f32,
+            leaves_a_sample: settings.leaves.leaves_a_pixel * pixels_a_sample,
             least_leaves: settings.leaves.least as f32,
             most_leaves: settings.leaves.most as f32,
             leaf_size: settings.leaves.size,
             leaf_clip: settings.leaves.clip as u32,
             fineness: fine,
             point_count: view.leaves.points.len() as u32,
-            padding: 0,
+            pixels_a_sample,
         }
     }
 

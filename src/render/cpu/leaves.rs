@@ -135,7 +135,7 @@ fn leaf(
         bound: if frame.leaf_clip == 1 {
             1.0
         } else {
-            1.0 + FREEST * leaf_freedom(crown_samples / frame.fineness as f32)
+            1.0 + FREEST * leaf_freedom(crown_samples * frame.pixels_a_sample)
         },
     })
 }

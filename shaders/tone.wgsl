@@ -3,13 +3,6 @@
 // Light of the samples, premultiplied by coverage.
 @group(1) @binding(0) var samples: texture_2d<f32>;
 
-@vertex
-fn corner(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
-    let x = f32((index << 1u) & 2u);
-    let y = f32(index & 2u);
-    return vec4(2.0 * x - 1.0, 1.0 - 2.0 * y, 0.0, 1.0);
-}
-
 // Narkowicz's fit of the ACES curve.
 fn filmic(light: vec3<f32>) -> vec3<f32> {
     let x = light * 0.72;

@@ -28,6 +28,7 @@ const TESTS: &[Test] = &[
     ("twins_agree_on_meshes", twins_agree_on_meshes),
     ("twins_agree_on_every_view", twins_agree_on_every_view),
     ("twins_agree_on_a_scene", twins_agree_on_a_scene),
+    ("twins_agree_against_the_sun", twins_agree_against_the_sun),
     ("proxies_make_one_picture", proxies_make_one_picture),
     (
         "too_large_a_picture_is_refused",
@@ -43,6 +44,11 @@ const TESTS: &[Test] = &[
         a_viewport_shows_what_has_changed_of_a_crown,
     ),
     ("a_lost_device_is_an_error", a_lost_device_is_an_error),
+    #[cfg(debug_assertions)]
+    (
+        "changed_shaders_are_taken_and_broken_ones_are_not",
+        changed_shaders_are_taken_and_broken_ones_are_not,
+    ),
 ];
 
 fn main() -> ExitCode {
@@ -239,6 +245,17 @@ fn twins_agree_on_meshes(gpu: &Gpu) {
             ..*view
         };
         assert_twins_agree("mesh", gpu, &view, &settings);
+        // From within: triangles all around, many of them cut off by the near plane.
+        let within = Camera {
+            distance_m: 40.0,
+            target_m: camera.target_m + camera.axes().forward * 40.4,
+            ..camera
+        };
+        let view = SceneView {
+            camera: &within,
+            ..view
+        };
+        assert_twins_agree("mesh_within", gpu, &view, &settings);
     });
 }
 
@@ -258,6 +275,41 @@ fn twins_agree_on_every_view(gpu: &Gpu) {
         with_view(&front(), Backdrop::Studio, |scene| {
             assert_twins_agree(&name, gpu, scene, &thesis);
         });
+    }
+}
+
+/// Against the sun, on a stem whose shadow falls towards the eye.
+fn twins_agree_against_the_sun(gpu: &Gpu) {
+    let crown = lumpy();
+    let trunk = Trunk::under(&crown);
+    let crowns: Vec<PreparedCrown> = prepared().into_iter().map(|c| c.on_stem(&trunk)).collect();
+    let camera = Camera::framing(DVec3::new(0.4, 4.0, -0.2), 6.0, (25.0, 16.0), 1.0);
+    let light = Light {
+        sun_yaw_deg: 190.0,
+        sun_pitch_deg: 25.0,
+        ..Light::default()
+    };
+    for (name, mode) in [("relief", Mode::Relief), ("leaves", Mode::Leaves)] {
+        let view = SceneView {
+            crowns: &crowns,
+            instances: &[CrownInstance::plain(0)],
+            meshes: &[PreparedMesh::of_trunk(&trunk, &crown)],
+            leaves: &LeafSet::default(),
+            camera: &camera,
+            light: &light,
+            backdrop: Backdrop::Studio,
+        };
+        let settings = RenderSettings { mode, ..settings() };
+        assert_twins_agree(&format!("sun_{name}"), gpu, &view, &settings);
+        // The stem's shadow is there: without it some pixels are brighter.
+        let without = prepared();
+        let bare = SceneView {
+            crowns: &without,
+            ..view
+        };
+        let [with, bare] =
+            [view, bare].map(|view| renderer(gpu).picture(&view, &settings).unwrap());
+        assert!(differing(&with, &bare) > 0.000_5);
     }
 }
 
@@ -454,5 +506,62 @@ fn a_lost_device_is_an_error(_: &Gpu) {
         // The processor draws the view that the card cannot.
         let twin = cpu::picture(view, &settings, &Progress::silent(), &Cancel::new()).unwrap();
         assert!(twin.pixels().iter().all(|pixel| pixel.alpha() == 255));
+    });
+}
+
+/// A copy of the built-in shaders in a folder of its own.
+#[cfg(debug_assertions)]
+fn folder_of_shaders() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let from = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders");
+    std::fs::create_dir(folder.path().join("shared")).unwrap();
+    for name in boscage::render::Pass::files() {
+        std::fs::copy(from.join(name), folder.path().join(name)).unwrap();
+    }
+    folder
+}
+
+#[cfg(debug_assertions)]
+fn changed_shaders_are_taken_and_broken_ones_are_not(gpu: &Gpu) {
+    let folder = folder_of_shaders();
+    let file = folder.path().join("tone.wgsl");
+    let text = std::fs::read_to_string(&file).unwrap();
+    // Some file systems tell whole seconds: a time of its own for each change.
+    let mut time = std::time::SystemTime::now();
+    let mut write = |text: &str| {
+        std::fs::write(&file, text).unwrap();
+        time += std::time::Duration::from_secs(2);
+        std::fs::File::options()
+            .write(true)
+            .open(&file)
+            .and_then(|file| file.set_modified(time))
+            .unwrap();
+    };
+    with_view(&front(), Backdrop::Sky, |view| {
+        let mut renderer = renderer(gpu);
+        renderer.watch(folder.path());
+        let before = renderer.picture(view, &settings()).unwrap();
+        assert_eq!(renderer.reload_if_changed(), Ok(false));
+        write("no shader");
+        let error = renderer.reload_if_changed().unwrap_err();
+        assert!(matches!(&error, RenderError::Shader(_)), "{error}");
+        assert!(!error.is_of_device());
+        assert_eq!(
+            renderer.reload_if_changed(),
+            Ok(false),
+            "it is told of once"
+        );
+        assert_eq!(renderer.picture(view, &settings()).unwrap(), before);
+        let white = "    return toned(vec2<u32>(place.xy));";
+        assert!(text.contains(white));
+        write(&text.replace(white, "    return vec4(1.0);"));
+        assert_eq!(renderer.reload_if_changed(), Ok(true));
+        let after = renderer.picture(view, &settings()).unwrap();
+        assert!(
+            after
+                .pixels()
+                .iter()
+                .all(|&pixel| pixel == Straight([255; 4]))
+        );
     });
 }

@@ -77,7 +77,7 @@ fn structs_are_laid_out_alike() {
     assert_eq!(layout(&relief, "Frame"), (frame, size_of::<Frame>() as u32));
     let crown = offsets!(CrownNumbers:
         radius_range, radius_size, radius_levels, surface_size, surface_levels, mean_radius,
-        center_height,
+        center_height, stem, radius_texel, padding,
     );
     let size = size_of::<CrownNumbers>() as u32;
     assert_eq!(layout(&relief, "CrownNumbers"), (crown, size));

@@ -118,6 +118,12 @@ pub struct CrownNumbers {
     pub mean_radius: f32,
     /// Height of the centre above the tree's base, metres.
     pub center_height: f32,
+    /// From the centre to the foot of the stem, and the stem's radius, metres; 0: no stem.
+    pub stem: [f32; 4],
+    /// Side of a texel of the radii, as a share of their rectangle.
+    pub radius_texel: [f32; 2],
+    /// To a multiple of 16 bytes.
+    pub padding: [f32; 2],
 }
 
 /// One crown of the picture.
@@ -331,6 +337,7 @@ fn clip_from_world(camera: &Camera, (tan_x, tan_y): (f64, f64)) -> [[f32; 4]; 4]
 impl CrownNumbers {
     /// The numbers of a crown.
     pub fn new(crown: &PreparedCrown) -> Self {
+        let (width, height) = crown.radius.rectangle();
         Self {
             radius_range: crown.radius_range.into(),
             radius_size: crown.radius.size(),
@@ -339,6 +346,9 @@ impl CrownNumbers {
             surface_levels: crown.surface.levels(),
             mean_radius: crown.mean_radius,
             center_height: crown.center.y,
+            stem: crown.stem,
+            radius_texel: [width, height].map(|side| 1.0 / side as f32),
+            padding: [0.0; 2],
         }
     }
 }

@@ -5,7 +5,7 @@ use super::color::{linear, srgb_byte};
 use super::packed_cube::PackedCube;
 use crate::base::{Cancel, Cancelled, Digest};
 use crate::raster::{Cubemap, Straight};
-use crate::scene::Crown;
+use crate::scene::{Crown, Trunk};
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -24,6 +24,8 @@ pub struct PreparedCrown {
     pub(crate) radius_range: (f32, f32),
     /// Mean radius, metres.
     pub(crate) mean_radius: f32,
+    /// From the centre to the foot of the stem, and the stem's radius, metres; 0: no stem.
+    pub(crate) stem: [f32; 4],
     /// Of the radii and of the colours: by them a renderer knows what it has.
     pub(crate) radius_digest: Digest,
     pub(crate) surface_digest: Digest,
@@ -52,14 +54,26 @@ impl PreparedCrown {
             center: crown.center_m.as_vec3(),
             radius_range: crown.radius_range_m(),
             mean_radius: mean_radius(crown),
+            stem: [0.0; 4],
         })
+    }
+
+    /// This crown on a stem, which throws a shadow too. The stem itself is a mesh of the scene,
+    /// [`super::PreparedMesh::of_trunk`].
+    #[must_use]
+    pub fn on_stem(self, trunk: &Trunk) -> Self {
+        let foot = trunk.base_m.as_vec3() - self.center;
+        Self {
+            stem: foot.extend(trunk.base_radius_m as f32).to_array(),
+            ..self
+        }
     }
 
     /// This crown with the radii and the centre of `crown`; its colours and its occlusion stay.
     ///
     /// For a shape that is being dragged: a tenth of the time of [`PreparedCrown::new`], and only
     /// the radii go to the card again. The occlusion is that of the shape before; prepare the crown
-    /// anew once the drag is over.
+    /// anew once the drag is over. A stem stays where it is, below a centre that may move.
     #[must_use]
     pub fn reshaped(&self, crown: &Crown) -> Self {
         let radius = PackedCube::new(crown.radius_m.clone(), mean, |x| x);

@@ -112,7 +112,7 @@ impl Gpu {
         }
     }
 
-    fn trouble(&self) -> Option<RenderError> {
+    pub(super) fn trouble(&self) -> Option<RenderError> {
         let trouble = self.trouble.lock();
         trouble.unwrap_or_else(PoisonError::into_inner).clone()
     }

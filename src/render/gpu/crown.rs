@@ -79,6 +79,11 @@ fn group(
     layers: [&Layers; 2],
 ) -> wgpu::BindGroup {
     let [radius, surface] = layers.map(Layers::view);
+    // The default: nearest, no further than the edge.
+    let texels = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+        label: Some("texels"),
+        ..Default::default()
+    });
     gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
         label: Some("crown"),
         layout: &layouts.crown,
@@ -94,6 +99,10 @@ fn group(
             wgpu::BindGroupEntry {
                 binding: 2,
                 resource: wgpu::BindingResource::TextureView(&surface),
+            },
+            wgpu::BindGroupEntry {
+                binding: 3,
+                resource: wgpu::BindingResource::Sampler(&texels),
             },
         ],
     })

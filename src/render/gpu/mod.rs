@@ -14,6 +14,8 @@ mod pipelines;
 mod target;
 mod timer;
 mod viewport;
+#[cfg(debug_assertions)]
+mod watch;
 
 use super::RenderError;
 use super::frame::SceneView;
@@ -26,7 +28,11 @@ use layouts::Layouts;
 use lists::{Instances, Lists};
 use pipelines::Pipelines;
 use std::borrow::Cow;
+#[cfg(debug_assertions)]
+use std::collections::BTreeMap;
 use std::ops::Range;
+#[cfg(debug_assertions)]
+use std::path::Path;
 use target::Target;
 use timer::Timer;
 
@@ -42,7 +48,13 @@ pub struct GpuRenderer {
     proxy: ProxyBuffers,
     kept: Kept,
     target: Option<Target>,
+    #[cfg(debug_assertions)]
+    watch: watch::Watch,
 }
+
+/// The folder that the shaders were built from.
+#[cfg(debug_assertions)]
+const SHADERS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/shaders");
 
 /// A proxy's corners and triangles.
 #[derive(Debug)]
@@ -102,7 +114,58 @@ impl GpuRenderer {
             proxy,
             kept: Kept::default(),
             target: None,
+            #[cfg(debug_assertions)]
+            watch: watch::Watch::new(Path::new(SHADERS)),
         })
+    }
+
+    /// Compiles the shaders anew if one of their files has changed since the last call; whether it
+    /// did. Looks at the folder that the program was built from, unless told of another.
+    ///
+    /// In debug builds only: it does nothing in others.
+    ///
+    /// # Errors
+    /// [`RenderError::Shader`] when a shader cannot be read or compiled; the renderer goes on with
+    /// those it has. [`RenderError::DeviceLost`], [`RenderError::OutOfMemory`].
+    #[cfg(debug_assertions)]
+    pub fn reload_if_changed(&mut self) -> Result<bool, RenderError> {
+        if !self.watch.has_changed() {
+            return Ok(false);
+        }
+        let mut texts = BTreeMap::new();
+        for pass in Pass::ALL {
+            let text = pass.from_folder(self.watch.folder());
+            texts.insert(
+                pass.name(),
+                text.map_err(|error| RenderError::Shader(error.to_string()))?,
+            );
+        }
+        let text = |pass: Pass| texts[pass.name()].clone();
+        let made = self
+            .gpu
+            .guarded(|| Ok(Pipelines::new(&self.gpu.device, &self.layouts, text)));
+        self.pipelines = made.map_err(|error| match error {
+            RenderError::DeviceLost(text) if self.gpu.trouble().is_none() => {
+                RenderError::Shader(text)
+            }
+            other => other,
+        })?;
+        Ok(true)
+    }
+
+    /// Does nothing: shaders are read anew in debug builds only.
+    ///
+    /// # Errors
+    /// None.
+    #[cfg(not(debug_assertions))]
+    pub fn reload_if_changed(&mut self) -> Result<bool, RenderError> {
+        Ok(false)
+    }
+
+    /// Looks for changed shaders in another folder from now on.
+    #[cfg(debug_assertions)]
+    pub fn watch(&mut self, folder: &Path) {
+        self.watch = watch::Watch::new(folder);
     }
 
     /// The card.

@@ -73,6 +73,14 @@ struct Flight {
     is_part: bool,
 }
 
+impl Flight {
+    /// How long it took, milliseconds, once it is done.
+    fn ms(&self) -> Option<f64> {
+        let took = self.took_ms.lock();
+        *took.unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
 /// All that a picture depends on.
 #[derive(Debug, PartialEq)]
 struct Scene {
@@ -151,6 +159,30 @@ impl Viewport {
             .ok_or_else(|| RenderError::DeviceLost("nothing was drawn".to_owned()))
     }
 
+    /// As [`GpuRenderer::reload_if_changed`]; the next call of [`Viewport::draw`] draws anew.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn reload_if_changed(&mut self) -> Result<bool, RenderError> {
+        let changed = self.renderer.reload_if_changed()?;
+        if changed {
+            self.scene = None;
+        }
+        Ok(changed)
+    }
+
+    /// Whether the card has done all that it was given; does not wait.
+    ///
+    /// # Errors
+    /// [`RenderError::DeviceLost`].
+    pub fn is_idle(&self) -> Result<bool, RenderError> {
+        self.gpu().poll()?;
+        Ok(self
+            .flight
+            .as_ref()
+            .is_none_or(|flight| flight.ms().is_some()))
+    }
+
     /// Brings what is shown back from the card, and waits for it: for tests, or a copy to keep. What
     /// is shown is final only where [`Shown::is_final`] says so.
     ///
@@ -223,11 +255,7 @@ impl Viewport {
         let Some(flight) = &self.flight else {
             return true;
         };
-        let took = *flight
-            .took_ms
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner);
-        let Some(ms) = took else {
+        let Some(ms) = flight.ms() else {
             return false;
         };
         if flight.is_part {

@@ -8,6 +8,10 @@
 // Layer: twig. Shade and coverage.
 @group(2) @binding(1) var atlas: texture_2d_array<f32>;
 
+// Layer: direction towards the eye. Indices of points, the nearest first, in rows of 64; those of
+// 64 points, of 128, and so on (src/render/gpu/leaf_order.rs).
+@group(2) @binding(2) var orders: texture_2d_array<u32>;
+
 struct Leaf {
     @builtin(position) clip: vec4<f32>,
     // Centre and half the side, samples; level of the twig's picture.
@@ -45,10 +49,27 @@ fn nothing() -> Leaf {
     return leaf;
 }
 
+// The order for an eye in a direction: of a face of the cube, or of a corner.
+fn order_toward(eye: vec3<f32>) -> u32 {
+    let far = abs(eye);
+    let most = max(far.x, max(far.y, far.z));
+    if far.x + far.y + far.z > 1.7320508 * most {
+        return 6u + u32(eye.x > 0.0) + 2u * u32(eye.y > 0.0) + 4u * u32(eye.z > 0.0);
+    }
+    if far.x == most {
+        return select(1u, 0u, eye.x > 0.0);
+    }
+    if far.y == most {
+        return select(3u, 2u, eye.y > 0.0);
+    }
+    return select(5u, 4u, eye.z > 0.0);
+}
+
 @vertex
 fn corner(@builtin(vertex_index) vertex: u32, in: Crown) -> Leaf {
-    let index = vertex / 6u;
     let eye = local_from_world(in.turn, frame.eye - in.center) * (1.0 / in.scale);
+    let entry = vertex / 6u;
+    let index = textureLoad(orders, vec2(entry % 64u, entry / 64u), order_toward(eye), 0).x;
     let radius_samples = radius_in_samples(eye);
     let size = textureDimensions(points);
     let wanted = clamp(
@@ -159,7 +180,10 @@ fn sample(leaf: Leaf) -> @location(0) vec4<f32> {
     let level = leaf.place.w;
     let across = (place.x - leaf.place.x) / half_side;
     let down = (place.y - leaf.place.y) / half_side;
-    if abs(across) > 1.0 || abs(down) > 1.0 || pattern(place, leaf.ids.z) >= leaf.fade.x {
+    if abs(across) > 1.0 || abs(down) > 1.0 {
+        discard;
+    }
+    if leaf.fade.x < 1.0 && pattern(place, leaf.ids.z) >= leaf.fade.x {
         discard;
     }
     let u = 0.5 + 0.5 * (leaf.spin.x * across - leaf.spin.y * down);

@@ -17,7 +17,7 @@ struct Lit {
 const WRAP: f32 = 0.35;
 // The light that a leaf lets through: its tint, how far it reaches around, the share of it that
 // goes everywhere, and its strength.
-const PASSED: vec3<f32> = vec3(1.15, 1.25, 0.45);
+const PASSED: vec3<f32> = vec3(1.12, 1.18, 0.55);
 const PASSED_WRAP: f32 = 0.25;
 const PASSED_EVEN: f32 = 0.15;
 const PASSED_STRENGTH: f32 = 1.1;

@@ -28,7 +28,7 @@ pub(super) struct Place {
 const WRAP: f32 = 0.35;
 
 /// The tint of light that a leaf lets through: chlorophyll takes the blue.
-const PASSED: Vec3 = Vec3::new(1.15, 1.25, 0.45);
+const PASSED: Vec3 = Vec3::new(1.12, 1.18, 0.55);
 /// How far that light reaches around to the side of the sun.
 const PASSED_WRAP: f32 = 0.25;
 /// The share of it that goes everywhere; the rest goes on as the sun shone, towards an eye that

@@ -8,6 +8,7 @@ mod context;
 mod crown;
 mod kept;
 mod layouts;
+mod leaf_order;
 mod leaves;
 mod lists;
 mod pipelines;
@@ -25,6 +26,7 @@ use super::shaders::Pass;
 use crate::raster::{Image, Straight};
 use kept::Kept;
 use layouts::Layouts;
+use leaf_order::order_for;
 use lists::{Instances, Lists};
 use pipelines::Pipelines;
 use std::borrow::Cow;
@@ -321,8 +323,9 @@ impl GpuRenderer {
             pass.set_pipeline(&self.pipelines.leaves);
             pass.set_bind_group(2, leaves, &[]);
             for (count, crowns) in &lists.leaves {
+                let (begin, length) = order_for(*count);
                 self.draw_crowns(&mut pass, crowns, |pass, range| {
-                    pass.draw(0..6 * count, range);
+                    pass.draw(6 * begin..6 * (begin + length), range);
                 });
             }
         }

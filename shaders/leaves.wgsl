@@ -8,14 +8,9 @@
 // Layer: twig. Shade and coverage.
 @group(2) @binding(1) var atlas: texture_2d_array<f32>;
 
-struct Crown {
-    @location(1) center: vec3<f32>,
-    @location(2) scale: f32,
-    @location(3) turn: vec2<f32>,
-    @location(4) fade: f32,
-    @location(5) dither: u32,
-    @location(6) tint: vec3<f32>,
-}
+// Layer: direction towards the eye. Indices of points, the nearest first, in rows of 64; those of
+// 64 points, of 128, and so on (src/render/gpu/leaf_order.rs).
+@group(2) @binding(2) var orders: texture_2d_array<u32>;
 
 struct Leaf {
     @builtin(position) clip: vec4<f32>,
@@ -54,10 +49,27 @@ fn nothing() -> Leaf {
     return leaf;
 }
 
+// The order for an eye in a direction: of a face of the cube, or of a corner.
+fn order_toward(eye: vec3<f32>) -> u32 {
+    let far = abs(eye);
+    let most = max(far.x, max(far.y, far.z));
+    if far.x + far.y + far.z > 1.7320508 * most {
+        return 6u + u32(eye.x > 0.0) + 2u * u32(eye.y > 0.0) + 4u * u32(eye.z > 0.0);
+    }
+    if far.x == most {
+        return select(1u, 0u, eye.x > 0.0);
+    }
+    if far.y == most {
+        return select(3u, 2u, eye.y > 0.0);
+    }
+    return select(5u, 4u, eye.z > 0.0);
+}
+
 @vertex
 fn corner(@builtin(vertex_index) vertex: u32, in: Crown) -> Leaf {
-    let index = vertex / 6u;
     let eye = local_from_world(in.turn, frame.eye - in.center) * (1.0 / in.scale);
+    let entry = vertex / 6u;
+    let index = textureLoad(orders, vec2(entry % 64u, entry / 64u), order_toward(eye), 0).x;
     let radius_samples = radius_in_samples(eye);
     let size = textureDimensions(points);
     let wanted = clamp(
@@ -99,7 +111,7 @@ fn corner(@builtin(vertex_index) vertex: u32, in: Crown) -> Leaf {
     let angle = hashed(salt ^ 2u) * 6.2831853;
     let surface = surface_at(direction, max(crown.surface_levels, 3u) - 3u);
     // Shade is that of the surface above the leaf: within the crown nothing would be lit.
-    let normal_local = normal_at(direction, shape_level);
+    let normal_local = normal_from(direction, reach, shape_level);
     let above = direction * reach + normal_local * (0.05 * crown.mean_radius);
     let inside = clamp(depth_share - 0.45, 0.0, 0.45) / 0.45;
     let bright = 1.1 + 0.2 * hashed(salt ^ 3u);
@@ -119,7 +131,7 @@ fn corner(@builtin(vertex_index) vertex: u32, in: Crown) -> Leaf {
     out.point = vec4(point, metres / in.scale);
     out.turn = in.turn;
     let free = clamp(
-        (radius_samples / f32(frame.fineness) - KEPT_RADIUS) / (FREE_RADIUS - KEPT_RADIUS),
+        (radius_samples * frame.pixels_a_sample - KEPT_RADIUS) / (FREE_RADIUS - KEPT_RADIUS),
         0.0,
         1.0,
     );
@@ -168,7 +180,10 @@ fn sample(leaf: Leaf) -> @location(0) vec4<f32> {
     let level = leaf.place.w;
     let across = (place.x - leaf.place.x) / half_side;
     let down = (place.y - leaf.place.y) / half_side;
-    if abs(across) > 1.0 || abs(down) > 1.0 || pattern(place, leaf.ids.z) >= leaf.fade.x {
+    if abs(across) > 1.0 || abs(down) > 1.0 {
+        discard;
+    }
+    if leaf.fade.x < 1.0 && pattern(place, leaf.ids.z) >= leaf.fade.x {
         discard;
     }
     let u = 0.5 + 0.5 * (leaf.spin.x * across - leaf.spin.y * down);
@@ -213,5 +228,7 @@ fn sample(leaf: Leaf) -> @location(0) vec4<f32> {
     lit.sunlit = leaf.normal.w;
     lit.height = 0.5 + 0.5 * leaf.point.y / crown.radius_range.y;
     lit.depth = 1.0;
+    lit.ray = ray_through(place);
+    lit.thin = 1.0;
     return vec4(shaded(lit), 1.0);
 }

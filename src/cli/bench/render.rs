@@ -13,10 +13,11 @@ use crate::geometry::Mesh;
 use crate::raster::{Cubemap, Image, Straight};
 use crate::render::{
     Backend, Gpu, GpuRenderer, LeafSet, Mode, PreparedCrown, Proxy, ReliefSettings, RenderError,
-    RenderSettings, Renderer, SceneView, Shortcut, View,
+    RenderSettings, Renderer, SceneView, Shortcut, View, Viewport,
 };
 use crate::scene::{Backdrop, Camera, Crown, CrownInstance, Light};
 use glam::DVec3;
+use std::time::{Duration, Instant};
 
 /// Distance, crowns within it, and what the thesis took with leaves up to there (Table 7.2).
 const TABLE: [(f64, usize, f64, &str); 6] = [
@@ -51,6 +52,7 @@ pub(super) fn rows(session: &Session<'_>) -> Result<Vec<Row>, Failure> {
     let cancel = session.cancel;
     let stand = Stand::new(cancel)?;
     let mut rows = stand.coverage_rows(cancel)?;
+    rows.extend(stand.switch_rows(cancel)?);
     rows.extend(stand.read_rows(cancel)?);
     match Gpu::offscreen() {
         Ok(gpu) => rows.extend(stand.time_rows(&gpu, cancel)?),
@@ -119,6 +121,48 @@ impl Stand {
             ),
             Row::number("leaves against relief, 100 m", both / sum(u8::max), "IoU"),
         ])
+    }
+
+    /// What changes from picture to picture on the way through the switch.
+    fn switch_rows(&self, cancel: &Cancel) -> Result<Vec<Row>, Failure> {
+        let changes = self.switch_changes(cancel)?;
+        let name = "most change at the switch, its neighbours 1";
+        Ok(vec![Row::number(name, changes.ratio(), "ratio")])
+    }
+
+    /// A turntable that moves away through the switch: how much each picture differs from the one
+    /// before, at the switch and around it.
+    fn switch_changes(&self, cancel: &Cancel) -> Result<Changes, Failure> {
+        let tree = [CrownInstance::plain(0)];
+        let mut settings = RenderSettings {
+            mode: Mode::Switched,
+            size: (160, 160),
+            ..RenderSettings::default()
+        };
+        // A crown that changes half-way between 100 m and 200 m, over a stretch of 25 m.
+        let middle = 0.5 * (settings.switch.nearest_m + settings.switch.farthest_m);
+        settings.switch.nearest_m = middle;
+        settings.switch.farthest_m = middle;
+        let mut changes = Changes::default();
+        let mut last: Option<Image<Straight>> = None;
+        for step in 0..SWITCH_PICTURES {
+            let share = f64::from(step) / f64::from(SWITCH_PICTURES - 1);
+            let camera = Camera {
+                distance_m: middle + (share - 0.5) * 3.0 * settings.switch.band_m,
+                fov_y_deg: 8.0,
+                ..eye_on_tree()
+            };
+            let camera = camera.orbited(2.0 * f64::from(step), 0.0);
+            let picture = on_processor(&self.view(&tree, &camera), &settings, cancel)?;
+            if let Some(last) = &last {
+                // The stretch of both forms is the middle third.
+                let is_at_switch =
+                    (share - 0.5).abs() < 1.0 / 6.0 + 0.5 / f64::from(SWITCH_PICTURES);
+                changes.add(is_at_switch, mean_change(last, &picture));
+            }
+            last = Some(picture);
+        }
+        Ok(changes)
     }
 
     /// Reads of the radius cubemap for a covered pixel, which depend on no machine.
@@ -206,11 +250,105 @@ impl Stand {
             };
             rows.push(timed(name, &mut renderer, &alone, &settings, cancel)?.target(16.6));
         }
+        for dragged in [
+            (
+                Mode::Relief,
+                ["one crown, 800x800, dragged", "one crown, dragged, drawn"],
+            ),
+            (
+                Mode::Leaves,
+                [
+                    "one leaf crown, 800x800, dragged",
+                    "one leaf crown, dragged, drawn",
+                ],
+            ),
+        ] {
+            rows.extend(dragged_rows(gpu, &alone, dragged, cancel)?);
+        }
         Ok(rows)
     }
 }
 
 const LIGHT: Light = Light::DAY;
+
+/// Pictures on the way through the switch.
+const SWITCH_PICTURES: u32 = 31;
+
+/// How much pictures differ from the ones before them, in values of 255.
+#[derive(Debug, Default)]
+struct Changes {
+    /// The most while both forms are drawn.
+    at_switch: f64,
+    /// The most before and after.
+    around: f64,
+}
+
+impl Changes {
+    fn add(&mut self, is_at_switch: bool, change: f64) {
+        let most = match is_at_switch {
+            true => &mut self.at_switch,
+            false => &mut self.around,
+        };
+        *most = most.max(change);
+    }
+
+    /// The most at the switch for the most around it.
+    fn ratio(&self) -> f64 {
+        self.at_switch / self.around
+    }
+}
+
+/// Mean difference of two pictures, in values of 255.
+fn mean_change(one: &Image<Straight>, other: &Image<Straight>) -> f64 {
+    let pairs = one.pixels().iter().zip(other.pixels());
+    let values = pairs.flat_map(|(a, b)| a.premultiplied().0.into_iter().zip(b.premultiplied().0));
+    let sum: u64 = values.map(|(a, b)| u64::from(a.abs_diff(b))).sum();
+    sum as f64 / (4 * one.pixels().len()) as f64
+}
+
+/// Views of a dragged window, and calls at most until one has landed.
+const DRAGGED: u32 = 40;
+const MOST_LOOKS: u32 = 20_000;
+
+/// A window of 800×800 whose view is dragged around a crown, once the pace is found: the time of a
+/// picture and the share of its sides that is drawn.
+fn dragged_rows(
+    gpu: &Gpu,
+    view: &SceneView<'_>,
+    (mode, names): (Mode, [&'static str; 2]),
+    cancel: &Cancel,
+) -> Result<[Row; 2], Failure> {
+    let mut viewport = Viewport::new(gpu.clone())?;
+    let settings = RenderSettings {
+        mode,
+        ..RenderSettings::default()
+    };
+    let mut times = Vec::new();
+    let mut widths = 0;
+    for step in 0..DRAGGED {
+        cancel.check()?;
+        let camera = view.camera.orbited(2.0 * f64::from(step), 0.0);
+        let start = Instant::now();
+        let moved = SceneView {
+            camera: &camera,
+            ..*view
+        };
+        let (width, _) = viewport.draw(&moved, &settings)?.size;
+        for _ in 0..MOST_LOOKS {
+            if viewport.is_idle()? {
+                break;
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        if step >= DRAGGED / 2 {
+            times.push(start.elapsed().as_secs_f64() * 1e3);
+            widths += width;
+        }
+    }
+    let share = f64::from(widths) / (times.len() as f64 * f64::from(settings.size.0));
+    let time = Row::of_times(names[0], times).target(1e3 / 15.0);
+    Ok([time, Row::number(names[1], share, "of the sides")])
+}
 
 /// The forest with each proxy, with and without shortcuts.
 fn proxy_rows(gpu: &Gpu, forest: &SceneView<'_>, cancel: &Cancel) -> Result<Vec<Row>, Failure> {
@@ -389,6 +527,17 @@ fn forest() -> Vec<CrownInstance> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn nothing_pops_on_a_turntable_that_moves_through_the_switch() {
+        let cancel = Cancel::new();
+        let changes = Stand::new(&cancel)
+            .unwrap()
+            .switch_changes(&cancel)
+            .unwrap();
+        assert!(changes.around > 0.1, "the tree turns");
+        assert!(changes.ratio() < 1.3, "{changes:?}");
+    }
 
     #[test]
     fn the_forest_has_as_many_crowns_at_each_distance_as_the_thesis() {

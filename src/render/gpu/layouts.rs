@@ -1,8 +1,8 @@
 //! What the shaders are given: the layouts of their bind groups.
 
 use wgpu::{
-    BindGroupLayout, BindGroupLayoutEntry, BindingType, BufferBindingType, Device, ShaderStages,
-    TextureSampleType, TextureViewDimension,
+    BindGroupLayout, BindGroupLayoutEntry, BindingType, BufferBindingType, Device,
+    SamplerBindingType, ShaderStages, TextureSampleType, TextureViewDimension,
 };
 
 /// The layouts of all bind groups.
@@ -12,7 +12,7 @@ pub(super) struct Layouts {
     pub(super) frame: BindGroupLayout,
     /// A crown: its numbers, radii, colours.
     pub(super) crown: BindGroupLayout,
-    /// Leaves: their places, pictures of twigs.
+    /// Leaves: their places, pictures of twigs, orders.
     pub(super) leaves: BindGroupLayout,
     /// The samples that the tone pass reads.
     pub(super) samples: BindGroupLayout,
@@ -34,6 +34,7 @@ impl Layouts {
                     numbers(0),
                     texels(1, TextureViewDimension::D2Array),
                     texels(2, TextureViewDimension::D2Array),
+                    entry(3, BindingType::Sampler(SamplerBindingType::NonFiltering)),
                 ],
             ),
             leaves: layout(
@@ -41,6 +42,14 @@ impl Layouts {
                 &[
                     texels(0, TextureViewDimension::D2),
                     texels(1, TextureViewDimension::D2Array),
+                    entry(
+                        2,
+                        BindingType::Texture {
+                            sample_type: TextureSampleType::Uint,
+                            view_dimension: TextureViewDimension::D2Array,
+                            multisampled: false,
+                        },
+                    ),
                 ],
             ),
             samples: layout("samples", &[texels(0, TextureViewDimension::D2)]),

@@ -2,17 +2,19 @@
 
 use super::context::Gpu;
 use super::layouts::Layouts;
+use super::leaf_order::{DIRECTIONS, orders};
 use crate::render::LeafSet;
 use crate::render::leaf_atlas::{LEVELS, VARIANTS};
 use wgpu::util::{DeviceExt as _, TextureDataOrder};
 use wgpu::{TextureFormat, TextureUsages, TextureView, TextureViewDimension};
 
-/// Places in a row of their texture.
+/// Places in a row of their texture, and of that of their orders.
 const ROW: usize = 64;
 
 /// The bind group of a set of leaves.
 pub(super) fn leaf_group(gpu: &Gpu, layouts: &Layouts, leaves: &LeafSet) -> wgpu::BindGroup {
     let (points, atlas) = (points(gpu, leaves), atlas(gpu, leaves));
+    let orders = order_layers(gpu, leaves);
     gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
         label: Some("leaves"),
         layout: &layouts.leaves,
@@ -24,6 +26,10 @@ pub(super) fn leaf_group(gpu: &Gpu, layouts: &Layouts, leaves: &LeafSet) -> wgpu
             wgpu::BindGroupEntry {
                 binding: 1,
                 resource: wgpu::BindingResource::TextureView(&atlas),
+            },
+            wgpu::BindGroupEntry {
+                binding: 2,
+                resource: wgpu::BindingResource::TextureView(&orders),
             },
         ],
     })
@@ -44,6 +50,25 @@ fn points(gpu: &Gpu, leaves: &LeafSet) -> TextureView {
         bytemuck::cast_slice(&points),
     );
     texture.create_view(&wgpu::TextureViewDescriptor::default())
+}
+
+fn order_layers(gpu: &Gpu, leaves: &LeafSet) -> TextureView {
+    let orders = orders(&leaves.points);
+    let size = wgpu::Extent3d {
+        width: ROW as u32,
+        height: orders.len() as u32 / (ROW as u32 * DIRECTIONS),
+        depth_or_array_layers: DIRECTIONS,
+    };
+    let texture = gpu.device.create_texture_with_data(
+        &gpu.queue,
+        &described("leaf orders", size, TextureFormat::R16Uint, 1),
+        TextureDataOrder::LayerMajor,
+        bytemuck::cast_slice(&orders),
+    );
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(TextureViewDimension::D2Array),
+        ..Default::default()
+    })
 }
 
 fn atlas(gpu: &Gpu, leaves: &LeafSet) -> TextureView {

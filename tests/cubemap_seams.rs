@@ -147,7 +147,7 @@ fn most_of_the_front_is_the_photographs() {
         .collect();
     names.sort();
     let settings = CrownSettings {
-        size: 128,
+        size: 192,
         photo_front: true,
         ..CrownSettings::default()
     };
@@ -163,5 +163,5 @@ fn most_of_the_front_is_the_photographs() {
     shares.sort_unstable_by(f64::total_cmp);
     let median = shares[shares.len() / 2];
     eprintln!("median {median:.2}, least {:.2}", shares[0]);
-    assert!(median > 0.75 && shares[0] > 0.3, "{shares:?}");
+    assert!(median > 0.75 && shares[0] > 0.2, "{shares:?}");
 }

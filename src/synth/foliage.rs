@@ -40,9 +40,9 @@ const AROUND_SKY: u8 = 2;
 /// wherever it is, of 255: even shade, which the sky lights, is hardly bluer than green in leaves.
 const BLUER_THAN_LEAVES: i32 = 5;
 
-/// How much of a pixel near sky must be leaf to be shown as it is. Lower, and twigs before a bright sky
-/// get a pale fringe; higher, and a thin crown has nothing left to show.
-const LEAST_COVER: f32 = 0.75;
+/// How much of a pixel near sky must be leaf for its colour to be told. Lower, and the noise of the
+/// sky is seen in it; higher, and a thin crown has nothing left to show.
+const LEAST_COVER: f32 = 0.5;
 
 /// The foliage of `photo` inside `mask`: opaque pixels at least `erosion` pixels from the mask's
 /// edge, without sky when `without_sky` (which grows by one pixel), and without tiny islands.
@@ -66,16 +66,21 @@ pub(super) fn foliage(
     without_islands(&kept)
 }
 
-/// The pixels of `photo` inside `mask` that show the crown as it is: opaque, no sky and hardly any sky
-/// in them, but without islands that are too small to tell what they show.
-pub(super) fn shown(photo: &Image<Straight>, mask: &Mask, without_sky: bool) -> Mask {
+/// The pixels of `photo` inside `mask` that show the crown: opaque, no sky, and near sky at least
+/// [`LEAST_COVER`] leaf; without islands that are too small to tell what they show. And the photograph
+/// with the sky taken out of those that are mixed with it.
+pub(super) fn shown(
+    photo: &Image<Straight>,
+    mask: &Mask,
+    without_sky: bool,
+) -> (Mask, Image<Straight>) {
     let inner = both(photo, mask, |pixel, inside| inside && pixel.alpha() >= 128);
     let sky = match without_sky {
         true => sky(photo, mask, &inner),
         false => None,
     };
     let Some(sky) = sky else {
-        return inner;
+        return (inner, photo.clone());
     };
     let near = dilated(&sky, AROUND_SKY);
     let leaves = both(&inner, &near, |inside, near| inside && !near);
@@ -84,20 +89,65 @@ pub(super) fn shown(photo: &Image<Straight>, mask: &Mask, without_sky: bool) -> 
         .or_else(|| median_color(photo, &clear))
         .zip(median_color(photo, &sky));
     let Some((leaf, behind)) = colors else {
-        return clear;
+        return (clear, photo.clone());
     };
+    let (mut shown, mut pure) = (clear.clone(), photo.clone());
+    for y in 0..photo.height() {
+        for x in (0..photo.width()).filter(|&x| clear.at(x, y)) {
+            let pixel = photo.at(x, y);
+            if is_bluer(pixel, leaf, behind) {
+                shown.set(x, y, false);
+            } else if near.at(x, y) {
+                let behind = mean_around(photo, &sky, [x, y]).unwrap_or(behind);
+                match unmixed(pixel, leaf, behind) {
+                    Some(color) => pure.set(x, y, color),
+                    None => shown.set(x, y, false),
+                }
+            }
+        }
+    }
+    (without_islands(&shown), pure)
+}
+
+/// Whether `pixel` is blue and no leaf can be: where the colour `behind` is bluer than `leaf`, and that
+/// of the pixel nearer to it than to the other.
+fn is_bluer(pixel: Straight, leaf: [f32; 3], behind: [f32; 3]) -> bool {
     let blue = |[r, g, b]: [f32; 3]| b / (r + g + b).max(1.0);
+    let [r, g, b, _] = pixel.0.map(i32::from);
     let limit = blue(leaf) + MIXTURE * (blue(behind) - blue(leaf));
-    let is_sky_bluer = blue(behind) - blue(leaf) > BLUER;
-    let is_blue = |pixel: Straight| {
-        let [r, g, b, _] = pixel.0.map(i32::from);
-        is_sky_bluer && b > r.max(g) + BLUER_THAN_LEAVES && blue_share(pixel) > limit
+    blue(behind) - blue(leaf) > BLUER
+        && b > r.max(g) + BLUER_THAN_LEAVES
+        && blue_share(pixel) > limit
+}
+
+/// The mean colour of the pixels of `mask` within [`AROUND_SKY`] of (x, y).
+fn mean_around(photo: &Image<Straight>, mask: &Mask, [x, y]: [u32; 2]) -> Option<[f32; 3]> {
+    let reach = u32::from(AROUND_SKY);
+    let (mut sum, mut count) = ([0.0; 3], 0.0);
+    for v in y.saturating_sub(reach)..(y + reach + 1).min(photo.height()) {
+        for u in x.saturating_sub(reach)..(x + reach + 1).min(photo.width()) {
+            if mask.at(u, v) {
+                let pixel = photo.at(u, v).0;
+                sum = [0, 1, 2].map(|i| sum[i] + f32::from(pixel[i]));
+                count += 1.0;
+            }
+        }
+    }
+    (count > 0.0).then(|| sum.map(|sum| sum / count))
+}
+
+/// What is before the colour `behind` in a pixel that is mixed of it and of leaves, whose colour is
+/// about `leaf`; `None` when that is too little of it.
+fn unmixed(pixel: Straight, leaf: [f32; 3], behind: [f32; 3]) -> Option<Straight> {
+    let cover = cover(pixel, leaf, behind);
+    if cover >= 1.0 {
+        return Some(pixel);
+    }
+    let channel = |i: usize| {
+        let value = (f32::from(pixel.0[i]) - (1.0 - cover) * behind[i]) / cover;
+        (value + 0.5).clamp(0.0, 255.0) as u8
     };
-    let is_leaf = |pixel| cover(pixel, leaf, behind) >= LEAST_COVER;
-    let covered = both(photo, &near, |pixel, near| {
-        (!near || is_leaf(pixel)) && !is_blue(pixel)
-    });
-    without_islands(&both(&clear, &covered, |clear, covered| clear && covered))
+    (cover >= LEAST_COVER).then(|| Straight([channel(0), channel(1), channel(2), pixel.alpha()]))
 }
 
 /// How much of `pixel` is covered by what has the colour `leaf` before what has the colour `behind`: 0
@@ -300,10 +350,16 @@ mod tests {
             };
             Straight([channel(0), channel(1), channel(2), 255])
         };
-        photo.set(17, 19, mixed(0.5));
-        photo.set(17, 20, mixed(0.9));
-        let kept = shown(&photo, &mask, true);
+        photo.set(17, 19, mixed(0.3));
+        photo.set(17, 20, mixed(0.8));
+        let (kept, pure) = shown(&photo, &mask, true);
         assert!(kept.at(6, 20), "the rim");
+        let unmixed = pure.at(17, 20).0.into_iter().zip(LEAF.0);
+        assert!(
+            unmixed
+                .into_iter()
+                .all(|(found, leaf)| found.abs_diff(leaf) <= 4)
+        );
         assert!(!kept.at(19, 19) && !kept.at(17, 19) && kept.at(17, 20));
         assert_eq!(kept.count(), 28 * 28 - 17);
     }

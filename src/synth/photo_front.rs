@@ -21,25 +21,28 @@ use super::exemplar::Exemplar;
 use super::seam::{Side, StepCost};
 use crate::base::{Cancel, Cancelled};
 use crate::geometry::Point;
-use crate::raster::{CubeFace, Cubemap, Image, Mask, Straight};
+use crate::raster::{CubeFace, Cubemap, Image, Mask, Straight, dilated};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Facing (normal · direction to the viewer) from which on the photograph stays: 0.55 is 57° off, where
-/// it is drawn out to less than twice its width. Higher, and less is left of the photograph; lower, and
-/// smeared leaves show at three-quarter view.
-const SURELY_FRONT: f64 = 0.55;
+/// Facing (normal · direction to the viewer) from which on the photograph stays: 0.5 is 60° off, where it
+/// is drawn out to twice its width. Higher, and less is left of the photograph; lower, and smeared
+/// leaves show at three-quarter view.
+const SURELY_FRONT: f64 = 0.5;
 
-/// Facing below which the photograph is never taken: it is drawn out to 2.5 times its width there.
-const NEVER_FRONT: f64 = 0.4;
+/// Facing below which the photograph is never taken: it is drawn out to 2.6 times its width there.
+const NEVER_FRONT: f64 = 0.38;
+
+/// Pixels around gaps in which the seam between the photograph and what fills them may run.
+const AROUND_GAPS: u8 = 1;
 
 /// Facing from which on the photograph has all of its own light; from there to [`SURELY_FRONT`] it fades.
 const OWN_LIGHT: f64 = 0.95;
 
-/// What a texel between [`NEVER_FRONT`] and [`SURELY_FRONT`] costs that is not taken from the
-/// photograph, towards the latter; a step of a seam costs about a hundred between leaves. Higher, and
-/// more is smeared; 0, and the cheapest seam is the shortest.
-const MOST_PREFERRED: f64 = 30.0;
+/// What a texel costs that is not taken from the photograph though it could be, around gaps and, less
+/// and less, from [`SURELY_FRONT`] to [`NEVER_FRONT`]; a step of a seam costs about a hundred between
+/// leaves. Higher, and more is smeared; 0, and the cheapest seam is the shortest.
+const MOST_PREFERRED: f64 = 40.0;
 
 /// The surface of a crown without relief.
 #[derive(Debug, Clone, Copy)]
@@ -70,6 +73,10 @@ pub(super) struct Front<'a> {
     exemplar: &'a Exemplar,
     /// Where the scaled photograph shows the crown and no sky.
     shown: Mask,
+    /// That without the pixels at its edge.
+    inner: Mask,
+    /// Its colours there, without sky.
+    colors: Image<Straight>,
     surface: CrownSurface<'a>,
 }
 
@@ -78,23 +85,28 @@ pub(super) struct Front<'a> {
 struct Seen {
     /// The photograph's colour in even light, if it shows the crown there.
     color: Option<Straight>,
+    /// Whether it surely stays.
+    stays: bool,
     /// What its place in the photograph has to be multiplied by to get its own light back.
     light: [f32; 3],
     facing: f64,
 }
 
 impl<'a> Front<'a> {
-    /// The front of `surface` in `photo`, of which `shown` may be used.
+    /// The front of `surface` in `photo`, of which what is `shown` may be used, with its `colors`.
     pub(super) fn new(
         photo: &'a ScaledPhoto,
         exemplar: &'a Exemplar,
-        shown: Mask,
+        (shown, colors): (Mask, Image<Straight>),
         surface: CrownSurface<'a>,
     ) -> Self {
+        let outside = dilated(&shown.map(|&shown| !shown), AROUND_GAPS);
         Self {
             photo,
             exemplar,
+            inner: outside.map(|&outside| !outside),
             shown,
+            colors,
             surface,
         }
     }
@@ -103,7 +115,7 @@ impl<'a> Front<'a> {
     pub(super) fn known(&self, direction: DVec3) -> Option<[u8; 3]> {
         let (face, u, v) = CubeFace::of(direction);
         let seen = self.seen(face, [u, v])?;
-        let Straight([r, g, b, _]) = seen.color.filter(|_| seen.facing >= SURELY_FRONT)?;
+        let Straight([r, g, b, _]) = seen.color.filter(|_| seen.stays)?;
         Some([r, g, b])
     }
 
@@ -119,7 +131,7 @@ impl<'a> Front<'a> {
         let seen = self.cubemap(grown.size(), cancel)?;
         let color = |seen: &Option<Seen>| seen.and_then(|seen| seen.color).unwrap_or_default();
         let side = seen.map(|seen| match seen {
-            Some(seen) if seen.color.is_some() && seen.facing >= SURELY_FRONT => Side::First,
+            Some(seen) if seen.color.is_some() && seen.stays => Side::First,
             Some(seen) if seen.color.is_some() => Side::Either,
             _ => Side::Second,
         });
@@ -178,16 +190,17 @@ impl<'a> Front<'a> {
             .photo
             .place(Point::new(center.x + point.x, center.y - point.y));
         let near = |place: f64| libm::round(place) as i64;
-        let is_shown = self.shown.get(near(place.x), near(place.y)) == Some(true);
+        let is_in = |mask: &Mask| mask.get(near(place.x), near(place.y)) == Some(true);
         let gain = self.exemplar.gain(place);
-        let color = is_shown.then(|| {
-            let raw = bilinear(&self.photo.photo, &self.shown, place);
+        let color = is_in(&self.shown).then(|| {
+            let raw = bilinear(&self.colors, &self.shown, place);
             let [r, g, b] = [0, 1, 2].map(|i| (raw[i] as f32 * gain[i] + 0.5).min(255.0) as u8);
             Straight([r, g, b, 255])
         });
         let faded = smooth_step((OWN_LIGHT - facing) / (OWN_LIGHT - SURELY_FRONT)) as f32;
         Some(Seen {
             color,
+            stays: facing >= SURELY_FRONT && is_in(&self.inner),
             light: gain.map(|gain| faded + (1.0 - faded) / gain),
             facing,
         })

@@ -8,7 +8,7 @@ use super::atlas::{AtlasLayout, atlas};
 use super::glb::{Glb, GlbError, Material};
 use super::model_mesh::{ModelMesh, singles};
 use crate::crown::{CubeSphere, cube_sphere, grid_line};
-use crate::raster::{Compression, CubeFace, encode_png};
+use crate::raster::{Compression, CubeFace, encode_opaque_png};
 use crate::scene::Crown;
 
 /// Cells along a face: two texels each, and 100,000 triangles at most. Colour carries the detail
@@ -26,7 +26,8 @@ pub fn crown_glb(crown: &Crown) -> Result<Vec<u8>, GlbError> {
     let cells = (crown.color.size() / TEXELS_OF_CELL).clamp(8, MOST_CELLS);
     let sphere = cube_sphere(&crown.radius_m, crown.center_m, cells);
     let mesh = divided(&sphere, AtlasLayout::new(crown.color.size()));
-    let png = encode_png(&atlas(&crown.color), Compression::Small);
+    // Fast: the smaller file would take seconds at 1024 texels, in which nobody could cancel.
+    let png = encode_opaque_png(&atlas(&crown.color), Compression::Fast);
     let mut glb = Glb::new(None);
     let material = glb.material(&Material {
         albedo: Some(&png),

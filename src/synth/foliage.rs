@@ -33,6 +33,17 @@ const SMALLEST_ISLAND: usize = 12;
 /// (a white tree before a blue wall) and nothing is.
 const LEAST_SHARE: f64 = 0.3;
 
+/// Pixels around sky that may be mixed with it: lens, camera and resizing each spread it by about one.
+const AROUND_SKY: u8 = 2;
+
+/// How much more blue than red and green a pixel must be to be taken for a mixture with a blue sky
+/// wherever it is, of 255: even shade, which the sky lights, is hardly bluer than green in leaves.
+const BLUER_THAN_LEAVES: i32 = 5;
+
+/// How much of a pixel near sky must be leaf for its colour to be told. Lower, and the noise of the
+/// sky is seen in it; higher, and a thin crown has nothing left to show.
+const LEAST_COVER: f32 = 0.5;
+
 /// The foliage of `photo` inside `mask`: opaque pixels at least `erosion` pixels from the mask's
 /// edge, without sky when `without_sky` (which grows by one pixel), and without tiny islands.
 pub(super) fn foliage(
@@ -53,6 +64,108 @@ pub(super) fn foliage(
         }
     }
     without_islands(&kept)
+}
+
+/// The pixels of `photo` inside `mask` that show the crown: opaque, no sky, and near sky at least
+/// [`LEAST_COVER`] leaf; without islands that are too small to tell what they show. And the photograph
+/// with the sky taken out of those that are mixed with it.
+pub(super) fn shown(
+    photo: &Image<Straight>,
+    mask: &Mask,
+    without_sky: bool,
+) -> (Mask, Image<Straight>) {
+    let inner = both(photo, mask, |pixel, inside| inside && pixel.alpha() >= 128);
+    let sky = match without_sky {
+        true => sky(photo, mask, &inner),
+        false => None,
+    };
+    let Some(sky) = sky else {
+        return (inner, photo.clone());
+    };
+    let near = dilated(&sky, AROUND_SKY);
+    let leaves = both(&inner, &near, |inside, near| inside && !near);
+    let clear = both(&inner, &sky, |inside, sky| inside && !sky);
+    let colors = median_color(photo, &leaves)
+        .or_else(|| median_color(photo, &clear))
+        .zip(median_color(photo, &sky));
+    let Some((leaf, behind)) = colors else {
+        return (clear, photo.clone());
+    };
+    let (mut shown, mut pure) = (clear.clone(), photo.clone());
+    for y in 0..photo.height() {
+        for x in (0..photo.width()).filter(|&x| clear.at(x, y)) {
+            let pixel = photo.at(x, y);
+            if is_bluer(pixel, leaf, behind) {
+                shown.set(x, y, false);
+            } else if near.at(x, y) {
+                let behind = mean_around(photo, &sky, [x, y]).unwrap_or(behind);
+                match unmixed(pixel, leaf, behind) {
+                    Some(color) => pure.set(x, y, color),
+                    None => shown.set(x, y, false),
+                }
+            }
+        }
+    }
+    (without_islands(&shown), pure)
+}
+
+/// Whether `pixel` is blue and no leaf can be: where the colour `behind` is bluer than `leaf`, and that
+/// of the pixel nearer to it than to the other.
+fn is_bluer(pixel: Straight, leaf: [f32; 3], behind: [f32; 3]) -> bool {
+    let blue = |[r, g, b]: [f32; 3]| b / (r + g + b).max(1.0);
+    let [r, g, b, _] = pixel.0.map(i32::from);
+    let limit = blue(leaf) + MIXTURE * (blue(behind) - blue(leaf));
+    blue(behind) - blue(leaf) > BLUER
+        && b > r.max(g) + BLUER_THAN_LEAVES
+        && blue_share(pixel) > limit
+}
+
+/// The mean colour of the pixels of `mask` within [`AROUND_SKY`] of (x, y).
+fn mean_around(photo: &Image<Straight>, mask: &Mask, [x, y]: [u32; 2]) -> Option<[f32; 3]> {
+    let reach = u32::from(AROUND_SKY);
+    let (mut sum, mut count) = ([0.0; 3], 0.0);
+    for v in y.saturating_sub(reach)..(y + reach + 1).min(photo.height()) {
+        for u in x.saturating_sub(reach)..(x + reach + 1).min(photo.width()) {
+            if mask.at(u, v) {
+                let pixel = photo.at(u, v).0;
+                sum = [0, 1, 2].map(|i| sum[i] + f32::from(pixel[i]));
+                count += 1.0;
+            }
+        }
+    }
+    (count > 0.0).then(|| sum.map(|sum| sum / count))
+}
+
+/// What is before the colour `behind` in a pixel that is mixed of it and of leaves, whose colour is
+/// about `leaf`; `None` when that is too little of it.
+fn unmixed(pixel: Straight, leaf: [f32; 3], behind: [f32; 3]) -> Option<Straight> {
+    let cover = cover(pixel, leaf, behind);
+    if cover >= 1.0 {
+        return Some(pixel);
+    }
+    let channel = |i: usize| {
+        let value = (f32::from(pixel.0[i]) - (1.0 - cover) * behind[i]) / cover;
+        (value + 0.5).clamp(0.0, 255.0) as u8
+    };
+    (cover >= LEAST_COVER).then(|| Straight([channel(0), channel(1), channel(2), pixel.alpha()]))
+}
+
+/// How much of `pixel` is covered by what has the colour `leaf` before what has the colour `behind`: 0
+/// … 1 in between, and beyond for other colours.
+fn cover(pixel: Straight, leaf: [f32; 3], behind: [f32; 3]) -> f32 {
+    let (mut along, mut whole) = (0.0, 0.0);
+    for i in 0..3 {
+        let towards = leaf[i] - behind[i];
+        along += (f32::from(pixel.0[i]) - behind[i]) * towards;
+        whole += towards * towards;
+    }
+    along / whole.max(1.0)
+}
+
+/// The median of each channel over the pixels of `mask`; `None` when there are none.
+fn median_color(photo: &Image<Straight>, mask: &Mask) -> Option<[f32; 3]> {
+    let channel = |i: usize| median(photo, mask, |pixel| f32::from(pixel.0[i]));
+    Some([channel(0)?, channel(1)?, channel(2)?])
 }
 
 /// The pixels of `inner` whose colours are those of the sky around the crown; `None` when there is
@@ -225,6 +338,30 @@ mod tests {
         let with_sky = foliage(&photo, &mask, 1, false);
         assert_eq!(with_sky.count(), 26 * 26);
         assert_eq!(kept.count(), 26 * 26 - 6 * 6);
+    }
+
+    #[test]
+    fn what_is_shown_is_leaf_for_the_most_part() {
+        let (mut photo, mask) = crown();
+        let mixed = |leaf: f32| {
+            let channel = |i: usize| {
+                let (a, b) = (f32::from(LEAF.0[i]), f32::from(SKY.0[i]));
+                (a * leaf + b * (1.0 - leaf)) as u8
+            };
+            Straight([channel(0), channel(1), channel(2), 255])
+        };
+        photo.set(17, 19, mixed(0.3));
+        photo.set(17, 20, mixed(0.8));
+        let (kept, pure) = shown(&photo, &mask, true);
+        assert!(kept.at(6, 20), "the rim");
+        let unmixed = pure.at(17, 20).0.into_iter().zip(LEAF.0);
+        assert!(
+            unmixed
+                .into_iter()
+                .all(|(found, leaf)| found.abs_diff(leaf) <= 4)
+        );
+        assert!(!kept.at(19, 19) && !kept.at(17, 19) && kept.at(17, 20));
+        assert_eq!(kept.count(), 28 * 28 - 17);
     }
 
     #[test]

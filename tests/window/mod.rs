@@ -11,22 +11,36 @@ pub(crate) type Window = Harness<'static, Shell>;
 
 /// A window with an empty project, whose autosaves lie in a folder that is gone afterwards.
 pub(crate) fn window() -> (Window, tempfile::TempDir) {
+    opened(Harness::builder().with_size([1440.0, 900.0]))
+}
+
+/// As [`window`], of `size` points with `density` pixels each, drawn by a graphics card.
+pub(crate) fn drawn_window(size: [f32; 2], density: f32) -> (Window, tempfile::TempDir) {
+    let builder = Harness::builder().with_size(size);
+    opened(builder.with_pixels_per_point(density).wgpu())
+}
+
+fn opened(builder: egui_kittest::HarnessBuilder<Shell>) -> (Window, tempfile::TempDir) {
     let folder = tempfile::tempdir().unwrap();
     let recovery = folder.path().join("recovery");
-    let harness = Harness::builder()
-        .with_size([1440.0, 900.0])
+    let window = builder
         .with_max_steps(64)
         .build_eframe(move |creation| Shell::new(creation, recovery, Vec::new()));
-    (harness, folder)
+    (window, folder)
 }
 
 /// A window with the project that comes with the studio.
 pub(crate) fn with_sample() -> (Window, tempfile::TempDir) {
     let (mut window, folder) = window();
+    open_sample(&mut window);
+    (window, folder)
+}
+
+/// Opens the project that comes with the studio.
+pub(crate) fn open_sample(window: &mut Window) {
     window.get_by_label("Open the sample project").click();
     window.step();
-    wait(&mut window, |shell| !shell.studio().is_empty());
-    (window, folder)
+    wait(window, |shell| !shell.studio().is_empty());
 }
 
 /// Draws frames until `is_so`: jobs take their time.

@@ -1,0 +1,106 @@
+//! Pictures of the studio beside those that somebody looked at: every workspace, dark and light, at one
+//! and two pixels a point.
+//!
+//! `UPDATE_SNAPSHOTS=1 cargo test --test studio_pictures` makes new ones: look at them. Drivers draw
+//! text and edges a little differently, so a share of the pixels may differ.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![allow(clippy::print_stderr, reason = "a left-out test must say so")]
+
+mod window;
+
+use boscage::app::{Action, Command, Workspace};
+use egui_kittest::SnapshotOptions;
+use window::{Window, drawn_window, open_sample, wait};
+
+/// Size of the window, points: the smallest that it may have, so that the files stay small.
+const SIZE: [f32; 2] = [960.0, 600.0];
+
+/// Share of the pixels that may differ: what is drawn with other drivers, and a job's spinner.
+const MAY_DIFFER: f32 = 0.02;
+
+fn has_adapter() -> bool {
+    let found = boscage::render::Gpu::offscreen().is_ok();
+    let required = std::env::var_os("BOSCAGE_REQUIRE_GPU").is_some_and(|value| value == "1");
+    assert!(
+        found || !required,
+        "BOSCAGE_REQUIRE_GPU is set and there is no adapter"
+    );
+    if !found {
+        eprintln!("left out: there is no adapter to draw with");
+    }
+    found
+}
+
+fn act(window: &mut Window, action: Action) {
+    window.state_mut().studio_mut().act(action);
+    window.step();
+}
+
+/// Waits until all jobs are done and compares with `tests/golden/studio/NAME.png`.
+fn compare(window: &mut Window, name: &str) {
+    wait(window, |shell| !shell.studio().is_busy());
+    for _ in 0..4 {
+        window.step();
+    }
+    let pixels = SIZE[0] * SIZE[1] * window.ctx.pixels_per_point().powi(2);
+    let options = SnapshotOptions::new()
+        .output_path("tests/golden/studio")
+        .threshold(1.6)
+        .max_failed_pixels((pixels * MAY_DIFFER) as usize);
+    window.snapshot_options(name, &options);
+}
+
+#[test]
+fn the_start_screen_looks_as_it_did() {
+    if has_adapter() {
+        let (mut window, _folder) = drawn_window(SIZE, 1.0);
+        compare(&mut window, "start");
+    }
+}
+
+#[test]
+fn the_workspaces_look_as_they_did() {
+    if !has_adapter() {
+        return;
+    }
+    for (density, names) in [
+        (1.0, ["crown", "variations", "library"]),
+        (2.0, ["crown-2x", "variations-2x", "library-2x"]),
+    ] {
+        let (mut window, _folder) = drawn_window(SIZE, density);
+        open_sample(&mut window);
+        act(&mut window, Action::TourSeen);
+        for (workspace, name) in Workspace::ALL.into_iter().zip(names) {
+            act(&mut window, Action::Do(Command::Show(workspace)));
+            compare(&mut window, name);
+            if density == 1.0 {
+                act(&mut window, Action::Do(Command::ToggleTheme));
+                compare(&mut window, &format!("{name}-light"));
+                act(&mut window, Action::Do(Command::ToggleTheme));
+            }
+        }
+    }
+}
+
+#[test]
+fn what_lies_over_the_window_looks_as_it_did() {
+    if !has_adapter() {
+        return;
+    }
+    let (mut window, _folder) = drawn_window(SIZE, 1.0);
+    open_sample(&mut window);
+    act(&mut window, Action::TourSeen);
+    act(&mut window, Action::Do(Command::Show(Workspace::Library)));
+    for (command, name) in [
+        (Command::Palette, "palette"),
+        (Command::ShortcutSheet, "shortcuts"),
+    ] {
+        act(&mut window, Action::Do(command));
+        compare(&mut window, name);
+        act(&mut window, Action::Do(command));
+    }
+    act(&mut window, Action::Do(Command::RemovePhoto));
+    act(&mut window, Action::Do(Command::New));
+    compare(&mut window, "unsaved");
+}

@@ -115,7 +115,7 @@ fn corner(@builtin(vertex_index) vertex: u32, in: Crown) -> Leaf {
     let above = direction * reach + normal_local * (0.05 * crown.mean_radius);
     let inside = clamp(depth_share - 0.45, 0.0, 0.45) / 0.45;
     let bright = 1.1 + 0.2 * hashed(salt ^ 3u);
-    let texels = 128.0 / max(2.0 * half_side, 1.0);
+    let texels = f32(textureDimensions(atlas).x) / max(2.0 * half_side, 1.0);
     let level = min(log2(max(texels, 1.0)), f32(textureNumLevels(atlas) - 1u));
     let place = vec2((across + 1.0) * 0.5 * frame.size.x, (1.0 - upward) * 0.5 * frame.size.y);
     let toward_sun = local_from_world(in.turn, frame.toward_sun);

@@ -7,7 +7,8 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![allow(clippy::print_stdout, reason = "a harness tells of its tests")]
 
-use boscage::base::{Cancel, Progress};
+use boscage::base::{Cancel, Progress, Seed};
+use boscage::branches::sprite::LeafShape;
 use boscage::geometry::Mesh;
 use boscage::raster::{Cubemap, Image, Straight, encode_png};
 use boscage::render::{
@@ -226,6 +227,16 @@ fn twins_agree_on_leaves(gpu: &Gpu) {
             assert_twins_agree(name, gpu, view, &settings);
         });
     }
+    let needles = LeafSet::new(LeafShape::Brush, Seed(1));
+    let mut settings = settings();
+    settings.mode = Mode::Leaves;
+    with_view(&front(), Backdrop::Studio, |view| {
+        let view = SceneView {
+            leaves: &needles,
+            ..*view
+        };
+        assert_twins_agree("needles", gpu, &view, &settings);
+    });
 }
 
 fn twins_agree_on_meshes(gpu: &Gpu) {

@@ -166,7 +166,7 @@ fn sunlit_at(from_point: vec3<f32>, toward: vec3<f32>, level: u32) -> f32 {
         }
         let above = out - radius_at(point, level);
         lit = min(lit, clamp(0.5 + above / (0.3 * distance), 0.0, 1.0));
-        distance *= 1.45;
+        distance *= frame.shadow_growth;
     }
     return lit;
 }

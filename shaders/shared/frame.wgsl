@@ -34,6 +34,7 @@ struct Frame {
     fineness: u32,
     point_count: u32,
     pixels_a_sample: f32,
+    shadow_growth: f32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

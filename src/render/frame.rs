@@ -98,6 +98,10 @@ pub struct Frame {
     pub point_count: u32,
     /// Pixels of the picture as it is shown, along a side of a sample.
     pub pixels_a_sample: f32,
+    /// How much further each step towards the sun goes than the one before.
+    pub shadow_growth: f32,
+    /// To a multiple of 16 bytes.
+    pub padding: [f32; 3],
 }
 
 /// What is the same for all instances of a crown.
@@ -197,6 +201,8 @@ impl Frame {
             fineness: fine,
             point_count: view.leaves.points.len() as u32,
             pixels_a_sample,
+            shadow_growth: shadow_growth(settings.relief.shadow_steps),
+            padding: [0.0; 3],
         }
     }
 
@@ -211,6 +217,14 @@ impl Frame {
             + Vec3::from(self.up) * upward;
         through * (1.0 / through.dot(through).sqrt())
     }
+}
+
+/// The first and the last step towards the sun are so far apart, as a factor, whatever their
+/// number: a picture with few steps has the shadows of one with many, but coarser.
+const SHADOW_REACH: f32 = 28.0;
+
+fn shadow_growth(steps: u32) -> f32 {
+    libm::powf(SHADOW_REACH, 1.0 / (steps.max(2) - 1) as f32)
 }
 
 /// The crowns of a picture by the passes that draw them, each with the index of its crown.

@@ -4,19 +4,21 @@
 //! with distance. As in I. Castaño, *Computing Alpha Mipmaps* (2010), each level's coverage is
 //! scaled so that the share of texels above one half stays that of the first level.
 
+use super::needles::{Needles, needle_twigs};
 use crate::base::Seed;
 use crate::branches::sprite::LeafShape;
 use crate::branches::twigs::{TwigTexel, twigs};
 use crate::raster::Image;
 
-/// Texels along a side of a twig.
-const SIZE: u32 = 128;
+/// Texels along a side of a twig of leaves, and of one of needles, which are thinner.
+const LEAF_SIZE: u32 = 128;
+const NEEDLE_SIZE: u32 = 256;
 
 /// Twigs of an atlas.
 pub(crate) const VARIANTS: u32 = 8;
 
-/// Levels of detail, down to 4 texels a side.
-pub(crate) const LEVELS: u32 = 6;
+/// Texels along a side at the last level of detail.
+const LAST_SIZE: u32 = 4;
 
 /// Shade (128 keeps the colour) and coverage.
 type Texel = [u8; 2];
@@ -24,19 +26,28 @@ type Texel = [u8; 2];
 /// Twigs, each with its levels of detail.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LeafAtlas {
+    /// Texels along a side at the first level.
+    size: u32,
     /// Level by level, twig by twig.
     levels: Vec<Vec<Image<Texel>>>,
 }
 
 impl LeafAtlas {
-    /// Twigs with leaves of `shape`; takes about 30 ms.
+    /// Twigs with leaves of `shape`; takes about 30 ms, with needles 200 ms.
     pub fn new(shape: LeafShape, seed: Seed) -> Self {
+        let size = match needles(shape) {
+            Some(_) => NEEDLE_SIZE,
+            None => LEAF_SIZE,
+        };
         let texel = |&TwigTexel { shade, coverage }: &TwigTexel| [shade, coverage];
-        let drawn = twigs(shape, SIZE, VARIANTS, seed);
+        let drawn = match needles(shape) {
+            Some(needles) => needle_twigs(needles, size, VARIANTS, seed),
+            None => twigs(shape, size, VARIANTS, seed),
+        };
         let mut levels: Vec<Vec<Image<Texel>>> = vec![drawn.iter().map(|t| t.map(texel)).collect()];
         let wanted: Vec<f64> = levels[0].iter().map(covered).collect();
         let mut plain = levels[0].clone();
-        for _ in 1..LEVELS {
+        for _ in 1..(size / LAST_SIZE).ilog2() + 1 {
             plain = plain.iter().map(halved).collect();
             let kept = plain.iter().zip(&wanted);
             levels.push(
@@ -44,12 +55,17 @@ impl LeafAtlas {
                     .collect(),
             );
         }
-        Self { levels }
+        Self { size, levels }
     }
 
     /// Texels along a side of a twig at level 0.
     pub(crate) fn size(&self) -> u32 {
-        SIZE
+        self.size
+    }
+
+    /// Levels of detail.
+    pub(crate) fn level_count(&self) -> u32 {
+        self.levels.len() as u32
     }
 
     /// The texels of a level, twig after twig.
@@ -66,7 +82,7 @@ impl LeafAtlas {
     #[inline(always)]
     pub(crate) fn sampled(&self, twig: u32, level: u32, u: f32, v: f32) -> (f32, f32) {
         let image = &self.levels[level as usize][twig as usize];
-        let size = (SIZE >> level) as f32;
+        let size = (self.size >> level) as f32;
         let (x, y) = (u * size - 0.5, v * size - 0.5);
         let (left, top) = (x.floor(), y.floor());
         let (right, down) = (x - left, y - top);
@@ -81,6 +97,15 @@ impl LeafAtlas {
         let upper = mixed(at(0, 0), at(1, 0), right);
         let lower = mixed(at(0, 1), at(1, 1), right);
         mixed(upper, lower, down)
+    }
+}
+
+/// The needles of a shape, if it is one.
+fn needles(shape: LeafShape) -> Option<Needles> {
+    match shape {
+        LeafShape::Brush => Some(Needles::Comb),
+        LeafShape::Tuft => Some(Needles::Fan),
+        _ => None,
     }
 }
 
@@ -125,14 +150,17 @@ mod tests {
 
     #[test]
     fn coverage_stays_from_level_to_level() {
-        let atlas = LeafAtlas::new(LeafShape::Ovate, Seed(1));
-        for twig in 0..VARIANTS as usize {
-            let first = covered(&atlas.levels[0][twig]);
-            for level in &atlas.levels[1..LEVELS as usize] {
-                let texel = 1.0 / level[twig].pixels().len() as f64;
-                let found = covered(&level[twig]);
-                assert!((found - first).abs() <= 0.04 + texel, "{first} {found}");
+        for shape in [LeafShape::Ovate, LeafShape::Brush, LeafShape::Tuft] {
+            let atlas = LeafAtlas::new(shape, Seed(1));
+            for twig in 0..VARIANTS as usize {
+                let first = covered(&atlas.levels[0][twig]);
+                for level in &atlas.levels[1..] {
+                    let texel = 1.0 / level[twig].pixels().len() as f64;
+                    let found = covered(&level[twig]);
+                    assert!((found - first).abs() <= 0.04 + texel, "{first} {found}");
+                }
             }
+            assert_eq!(atlas.size() >> (atlas.level_count() - 1), LAST_SIZE);
         }
     }
 

@@ -14,6 +14,7 @@ mod gpu;
 mod leaf_atlas;
 mod leaf_set;
 mod mesh;
+mod needles;
 mod pace;
 mod packed_cube;
 mod prepared;

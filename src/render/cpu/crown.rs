@@ -90,7 +90,7 @@ pub(super) fn sunlit_at(frame: &Frame, drawn: &Drawn<'_>, from: Vec3, level: u32
         }
         let above = out - drawn.crown.radius.sampled(point, level);
         lit = lit.min((0.5 + above / (0.3 * distance)).clamp(0.0, 1.0));
-        distance *= 1.45;
+        distance *= frame.shadow_growth;
     }
     lit
 }

@@ -8,8 +8,9 @@ use super::crown::{level_for, radius_in_samples, sunlit_at, surface_at};
 use super::dither::{hash, hashed, pattern};
 use super::shade::{Place, shaded};
 use super::{Band, Drawn};
+use crate::render::LeafSet;
 use crate::render::frame::{Frame, InstanceNumbers, leaf_freedom};
-use crate::render::leaf_atlas::{LEVELS, LeafAtlas, VARIANTS};
+use crate::render::leaf_atlas::{LeafAtlas, VARIANTS};
 use crate::render::surface::normal_from;
 use glam::Vec3;
 
@@ -52,7 +53,8 @@ pub(super) struct Leaf {
 }
 
 /// The leaves of an instance that are before the eye.
-pub(super) fn leaves(frame: &Frame, drawn: &Drawn<'_>, points: &[[f32; 4]]) -> Vec<Leaf> {
+pub(super) fn leaves(frame: &Frame, drawn: &Drawn<'_>, set: &LeafSet) -> Vec<Leaf> {
+    let LeafSet { points, atlas, .. } = set;
     let instance = &drawn.instance;
     if instance.fade <= 0.0 {
         return Vec::new();
@@ -66,7 +68,7 @@ pub(super) fn leaves(frame: &Frame, drawn: &Drawn<'_>, points: &[[f32; 4]]) -> V
     let made = points[..count.ceil() as usize].iter().enumerate();
     made.filter_map(|(index, &[x, y, z, _])| {
         let numbered = (index as u32, count, radius_samples);
-        leaf(frame, drawn, Vec3::new(x, y, z), numbered)
+        leaf(frame, (drawn, atlas), Vec3::new(x, y, z), numbered)
     })
     .collect()
 }
@@ -74,7 +76,7 @@ pub(super) fn leaves(frame: &Frame, drawn: &Drawn<'_>, points: &[[f32; 4]]) -> V
 /// Leaf `index` of `count`, at `ball` in the unit ball, of a crown with a radius of `crown_samples`.
 fn leaf(
     frame: &Frame,
-    drawn: &Drawn<'_>,
+    (drawn, atlas): (&Drawn<'_>, &LeafAtlas),
     ball: Vec3,
     (index, count, crown_samples): (u32, f32, f32),
 ) -> Option<Leaf> {
@@ -116,7 +118,7 @@ fn leaf(
     let above = direction * reach + normal_local * (0.05 * numbers.mean_radius);
     let inside = (depth_share - 0.45).clamp(0.0, 0.45) / 0.45;
     let bright = 1.1 + 0.2 * hashed(salt ^ 3);
-    let texels = 128.0 / (2.0 * half).max(1.0);
+    let texels = atlas.size() as f32 / (2.0 * half).max(1.0);
     Some(Leaf {
         x: (across + 1.0) * 0.5 * frame.size[0],
         y: (1.0 - upward) * 0.5 * frame.size[1],
@@ -124,7 +126,7 @@ fn leaf(
         depth: frame.near / away,
         spin: (libm::cosf(angle), libm::sinf(angle)),
         variant: salt % VARIANTS,
-        level: libm::log2f(texels.max(1.0)).min((LEVELS - 1) as f32),
+        level: libm::log2f(texels.max(1.0)).min((atlas.level_count() - 1) as f32),
         salt,
         albedo: albedo * Vec3::from(instance.tint) * bright,
         normal: instance.world(normal_local),
@@ -185,7 +187,7 @@ fn sample(
     let v = 0.5 + 0.5 * (leaf.spin.1 * across + leaf.spin.0 * down);
     let whole = leaf.level as u32;
     let near = atlas.sampled(leaf.variant, whole, u, v);
-    let far = atlas.sampled(leaf.variant, (whole + 1).min(LEVELS - 1), u, v);
+    let far = atlas.sampled(leaf.variant, (whole + 1).min(atlas.level_count() - 1), u, v);
     let part = leaf.level - whole as f32;
     let shade = near.0 + (far.0 - near.0) * part;
     let coverage = near.1 + (far.1 - near.1) * part;

@@ -77,7 +77,7 @@ fn drawn(
         [&resolved.shadows, &resolved.relief, &resolved.leaves].map(|list| with_crowns(list));
     let leaves: Vec<Vec<Leaf>> = leafy
         .par_iter()
-        .map(|drawn| leaves::leaves(frame, drawn, &view.leaves.points))
+        .map(|drawn| leaves::leaves(frame, drawn, view.leaves))
         .collect();
     let stage = progress.stage("draw", target.band_count());
     target.for_bands(|band| {

@@ -4,7 +4,7 @@ use super::context::Gpu;
 use super::layouts::Layouts;
 use super::leaf_order::{DIRECTIONS, orders};
 use crate::render::LeafSet;
-use crate::render::leaf_atlas::{LEVELS, VARIANTS};
+use crate::render::leaf_atlas::VARIANTS;
 use wgpu::util::{DeviceExt as _, TextureDataOrder};
 use wgpu::{TextureFormat, TextureUsages, TextureView, TextureViewDimension};
 
@@ -72,7 +72,8 @@ fn order_layers(gpu: &Gpu, leaves: &LeafSet) -> TextureView {
 }
 
 fn atlas(gpu: &Gpu, leaves: &LeafSet) -> TextureView {
-    let levels = (0..LEVELS).flat_map(|level| leaves.atlas.texels(level));
+    let level_count = leaves.atlas.level_count();
+    let levels = (0..level_count).flat_map(|level| leaves.atlas.texels(level));
     let texels: Vec<[u8; 2]> = levels.collect();
     let size = wgpu::Extent3d {
         width: leaves.atlas.size(),
@@ -81,7 +82,7 @@ fn atlas(gpu: &Gpu, leaves: &LeafSet) -> TextureView {
     };
     let texture = gpu.device.create_texture_with_data(
         &gpu.queue,
-        &described("leaf atlas", size, TextureFormat::Rg8Unorm, LEVELS),
+        &described("leaf atlas", size, TextureFormat::Rg8Unorm, level_count),
         TextureDataOrder::MipMajor,
         bytemuck::cast_slice(&texels),
     );

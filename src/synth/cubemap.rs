@@ -8,7 +8,7 @@ use super::SynthesisError;
 use super::assembly::{Lattice, assembled};
 use super::canvas::Known;
 use super::exemplar::{Exemplar, ExemplarSettings};
-use super::foliage::shown;
+use super::foliage::{Backdrop, shown};
 use super::photo_front::{CrownSurface, Front};
 use super::texture::{SynthesisSettings, texture_around};
 use super::wrapping::{Extent, Wrapping, wrapped};
@@ -86,9 +86,11 @@ pub fn foliage_cubemap(
     let wrapping = Wrapping::new(settings.shaped(extent), settings.size);
     let stage = progress.stage("exemplar", 1);
     let scaled = ScaledPhoto::new(photo, mask, wrapping.texels_per_pixel())?;
-    let exemplar = Exemplar::new(&scaled.photo, &scaled.mask, &settings.exemplar, cancel)?;
+    let backdrop = Backdrop::of(photo, mask).filter(|_| settings.exemplar.without_sky);
+    let (small, inside) = (&scaled.photo, &scaled.mask);
+    let exemplar = Exemplar::before(small, inside, backdrop.as_ref(), &settings.exemplar, cancel)?;
     let front = front.map(|surface| {
-        let shown = shown(&scaled.photo, &scaled.mask, settings.exemplar.without_sky);
+        let shown = shown(small, inside, backdrop.as_ref());
         Front::new(&scaled, &exemplar, shown, surface)
     });
     let known = known_textures(front.as_ref(), &wrapping, cancel)?;

@@ -2,7 +2,7 @@
 
 use super::SynthesisError;
 use super::flatten::Light;
-use super::foliage::foliage;
+use super::foliage::{Backdrop, foliage};
 use super::level::{Level, blurred};
 use super::similar::{SIMILAR, similar};
 use super::unique::unique;
@@ -76,13 +76,27 @@ impl Exemplar {
         settings: &ExemplarSettings,
         cancel: &Cancel,
     ) -> Result<Self, SynthesisError> {
+        let fit = (photo.width(), photo.height()) == (mask.width(), mask.height());
+        let learns = settings.without_sky && fit;
+        let backdrop = learns.then(|| Backdrop::of(photo, mask)).flatten();
+        Self::before(photo, mask, backdrop.as_ref(), settings, cancel)
+    }
+
+    /// As [`Exemplar::new`], of a crown that stood before `backdrop`, which is sought in its gaps.
+    pub(super) fn before(
+        photo: &Image<Straight>,
+        mask: &Mask,
+        backdrop: Option<&Backdrop>,
+        settings: &ExemplarSettings,
+        cancel: &Cancel,
+    ) -> Result<Self, SynthesisError> {
         if (photo.width(), photo.height()) != (mask.width(), mask.height()) {
             return Err(SynthesisError::SizesDiffer {
                 photo: [photo.width(), photo.height()],
                 mask: [mask.width(), mask.height()],
             });
         }
-        let whole = foliage(photo, mask, settings.erosion, settings.without_sky);
+        let whole = foliage(photo, mask, settings.erosion, backdrop);
         let pixels = whole.count();
         let Some(bounds) = opaque_bounds(&whole).filter(|_| pixels >= FEWEST_PIXELS) else {
             return Err(SynthesisError::TooLittleFoliage { pixels });

@@ -44,19 +44,31 @@ const BLUER_THAN_LEAVES: i32 = 5;
 /// sky is seen in it; higher, and a thin crown has nothing left to show.
 const LEAST_COVER: f32 = 0.5;
 
+/// The colours around a crown, which sky is told by.
+#[derive(Debug, Clone)]
+pub(super) struct Backdrop(Vec<f32>);
+
+impl Backdrop {
+    /// Those of the opaque pixels of `photo` outside `mask`; `None` for a cut-out.
+    pub(super) fn of(photo: &Image<Straight>, mask: &Mask) -> Option<Self> {
+        let outside = both(photo, mask, |pixel, inside| !inside && pixel.alpha() >= 128);
+        histogram(photo, &outside).map(Self)
+    }
+}
+
 /// The foliage of `photo` inside `mask`: opaque pixels at least `erosion` pixels from the mask's
-/// edge, without sky when `without_sky` (which grows by one pixel), and without tiny islands.
+/// edge, without sky when there is a `backdrop` (it grows by one pixel), and without tiny islands.
 pub(super) fn foliage(
     photo: &Image<Straight>,
     mask: &Mask,
     erosion: u8,
-    without_sky: bool,
+    backdrop: Option<&Backdrop>,
 ) -> Mask {
     let outside = both(photo, mask, |pixel, inside| !inside || pixel.alpha() < 128);
     let grown = dilated(&outside, erosion);
     let inner = grown.map(|&outside| !outside);
     let mut kept = inner.clone();
-    if without_sky && let Some(sky) = sky(photo, mask, &inner) {
+    if let Some(sky) = backdrop.and_then(|backdrop| sky(photo, &inner, backdrop)) {
         let sky = dilated(&sky, 1);
         let without = both(&inner, &sky, |inside, sky| inside && !sky);
         if without.count() as f64 >= LEAST_SHARE * inner.count() as f64 {
@@ -72,14 +84,10 @@ pub(super) fn foliage(
 pub(super) fn shown(
     photo: &Image<Straight>,
     mask: &Mask,
-    without_sky: bool,
+    backdrop: Option<&Backdrop>,
 ) -> (Mask, Image<Straight>) {
     let inner = both(photo, mask, |pixel, inside| inside && pixel.alpha() >= 128);
-    let sky = match without_sky {
-        true => sky(photo, mask, &inner),
-        false => None,
-    };
-    let Some(sky) = sky else {
+    let Some(sky) = backdrop.and_then(|backdrop| sky(photo, &inner, backdrop)) else {
         return (inner, photo.clone());
     };
     let near = dilated(&sky, AROUND_SKY);
@@ -112,12 +120,17 @@ pub(super) fn shown(
 /// Whether `pixel` is blue and no leaf can be: where the colour `behind` is bluer than `leaf`, and that
 /// of the pixel nearer to it than to the other.
 fn is_bluer(pixel: Straight, leaf: [f32; 3], behind: [f32; 3]) -> bool {
-    let blue = |[r, g, b]: [f32; 3]| b / (r + g + b).max(1.0);
     let [r, g, b, _] = pixel.0.map(i32::from);
-    let limit = blue(leaf) + MIXTURE * (blue(behind) - blue(leaf));
-    blue(behind) - blue(leaf) > BLUER
-        && b > r.max(g) + BLUER_THAN_LEAVES
-        && blue_share(pixel) > limit
+    b > r.max(g) + BLUER_THAN_LEAVES
+        && cover_by_blue(pixel, leaf, behind).is_some_and(|cover| cover < 1.0 - MIXTURE)
+}
+
+/// As [`cover`], told by the share of blue, which light leaves and shade have alike; `None` where the
+/// two colours hardly differ in it.
+fn cover_by_blue(pixel: Straight, leaf: [f32; 3], behind: [f32; 3]) -> Option<f32> {
+    let blue = |[r, g, b]: [f32; 3]| b / (r + g + b).max(1.0);
+    let (leaf, behind) = (blue(leaf), blue(behind));
+    (behind - leaf > BLUER).then(|| (behind - blue_share(pixel)) / (behind - leaf))
 }
 
 /// The mean colour of the pixels of `mask` within [`AROUND_SKY`] of (x, y).
@@ -139,7 +152,8 @@ fn mean_around(photo: &Image<Straight>, mask: &Mask, [x, y]: [u32; 2]) -> Option
 /// What is before the colour `behind` in a pixel that is mixed of it and of leaves, whose colour is
 /// about `leaf`; `None` when that is too little of it.
 fn unmixed(pixel: Straight, leaf: [f32; 3], behind: [f32; 3]) -> Option<Straight> {
-    let cover = cover(pixel, leaf, behind);
+    let by_blue = cover_by_blue(pixel, leaf, behind).unwrap_or(0.0);
+    let cover = cover(pixel, leaf, behind).max(by_blue);
     if cover >= 1.0 {
         return Some(pixel);
     }
@@ -168,13 +182,9 @@ fn median_color(photo: &Image<Straight>, mask: &Mask) -> Option<[f32; 3]> {
     Some([channel(0)?, channel(1)?, channel(2)?])
 }
 
-/// The pixels of `inner` whose colours are those of the sky around the crown; `None` when there is
-/// no background to learn them from.
-fn sky(photo: &Image<Straight>, mask: &Mask, inner: &Mask) -> Option<Mask> {
-    let behind = histogram(
-        photo,
-        &both(photo, mask, |pixel, inside| !inside && pixel.alpha() >= 128),
-    )?;
+/// The pixels of `inner` whose colours are those of the sky around the crown; `None` when `inner` is
+/// empty.
+fn sky(photo: &Image<Straight>, inner: &Mask, Backdrop(behind): &Backdrop) -> Option<Mask> {
     let before = histogram(photo, inner)?;
     let middle = median(photo, inner, |pixel| luma(pixel) as f32)?;
     let is_sky = |pixel: Straight, inside: bool| {
@@ -330,12 +340,13 @@ mod tests {
     #[test]
     fn the_rim_and_the_sky_in_gaps_are_left_out() {
         let (photo, mask) = crown();
-        let kept = foliage(&photo, &mask, 1, true);
+        let backdrop = Backdrop::of(&photo, &mask);
+        let kept = foliage(&photo, &mask, 1, backdrop.as_ref());
         assert!(!kept.at(6, 20) && kept.at(7, 20));
         assert!(!kept.at(19, 19), "sky");
         assert!(!kept.at(17, 19), "next to sky");
         assert!(kept.at(16, 19));
-        let with_sky = foliage(&photo, &mask, 1, false);
+        let with_sky = foliage(&photo, &mask, 1, None);
         assert_eq!(with_sky.count(), 26 * 26);
         assert_eq!(kept.count(), 26 * 26 - 6 * 6);
     }
@@ -352,7 +363,8 @@ mod tests {
         };
         photo.set(17, 19, mixed(0.3));
         photo.set(17, 20, mixed(0.8));
-        let (kept, pure) = shown(&photo, &mask, true);
+        let backdrop = Backdrop::of(&photo, &mask);
+        let (kept, pure) = shown(&photo, &mask, backdrop.as_ref());
         assert!(kept.at(6, 20), "the rim");
         let unmixed = pure.at(17, 20).0.into_iter().zip(LEAF.0);
         assert!(
@@ -382,7 +394,9 @@ mod tests {
                 })
                 .collect(),
         );
-        let kept = foliage(&cut, &mask, 1, true);
+        let backdrop = Backdrop::of(&cut, &mask);
+        assert!(backdrop.is_none());
+        let kept = foliage(&cut, &mask, 1, None);
         assert_eq!(kept.count(), 26 * 26 - 6 * 6);
     }
 }

@@ -39,10 +39,14 @@ const AROUND_GAPS: u8 = 1;
 /// Facing from which on the photograph has all of its own light; from there to [`SURELY_FRONT`] it fades.
 const OWN_LIGHT: f64 = 0.95;
 
-/// What a texel costs that is not taken from the photograph though it could be, around gaps and, less
-/// and less, from [`SURELY_FRONT`] to [`NEVER_FRONT`]; a step of a seam costs about a hundred between
-/// leaves. Higher, and more is smeared; 0, and the cheapest seam is the shortest.
+/// What a texel costs that is not taken from the photograph though it could be, from [`SURELY_FRONT`]
+/// falling to nothing at [`NEVER_FRONT`]; a step of a seam costs about a hundred between leaves. Higher,
+/// and more is smeared; 0, and the cheapest seam is the shortest.
 const MOST_PREFERRED: f64 = 40.0;
+
+/// The same around gaps, where the photograph is as good as elsewhere. Lower, and leaves between gaps,
+/// which are all edge, are lost to a shorter seam.
+const PREFERRED_AT_GAPS: u8 = 240;
 
 /// The surface of a crown without relief.
 #[derive(Debug, Clone, Copy)]
@@ -138,7 +142,10 @@ impl<'a> Front<'a> {
         let preference = seen.map(|seen| {
             let facing = seen.map_or(0.0, |seen| seen.facing);
             let share = (facing - NEVER_FRONT) / (SURELY_FRONT - NEVER_FRONT);
-            (MOST_PREFERRED * share.clamp(0.0, 1.0)) as u8
+            match share >= 1.0 {
+                true => PREFERRED_AT_GAPS,
+                false => (MOST_PREFERRED * share.max(0.0)) as u8,
+            }
         });
         let (photo, cost) = (seen.map(color), StepCost::Difference);
         let (from_grown, _) = cube_seam(&photo, grown, &side, &preference, cost, cancel)?;

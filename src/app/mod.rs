@@ -12,22 +12,29 @@
 //! Imports everything but `cli`.
 
 mod act;
+mod act_mask;
 mod action;
 mod commands;
 mod dock;
 mod files;
+mod mask_action;
+mod mask_jobs;
 mod outcome;
 mod palette;
 mod panels;
 mod photos;
 mod preferences;
+mod selecting;
 mod shell;
 mod shortcut_sheet;
 mod start;
 mod studio;
 mod theme;
+mod tools;
 
-pub use action::{Action, Gesture};
+pub use action::{Action, Gesture, Pen};
 pub use commands::{Command, Menu};
+pub use mask_action::{MaskAction, MaskCommand};
 pub use shell::{Shell, StartError, run};
 pub use studio::{Studio, Workspace};
+pub use tools::{Overlay, Tool, ToolOption};

@@ -18,6 +18,7 @@ mod grey16;
 mod image;
 mod mask;
 mod palette_tiff;
+mod pyramid;
 mod read;
 mod rect;
 mod resample;
@@ -30,6 +31,7 @@ pub use cubemap::{CubeFace, Cubemap};
 pub use grey16::{Grey16Error, decode_grey16_png, encode_grey16_png};
 pub use image::{Image, Premultiplied, Straight};
 pub use mask::{Mask, dilated, flooded_from_outside, labelled_components, opaque_bounds};
+pub use pyramid::Pyramid;
 pub use read::{
     ImageError, PictureFormat, ReadLimits, Refusal, read_image, read_image_from_memory,
 };

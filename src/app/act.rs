@@ -2,15 +2,22 @@
 
 use super::action::{Action, Answer, Gesture, Pen};
 use super::commands::Command;
-use super::studio::{Effect, Next, Painting, Question, Severity, Studio, Tool};
+use super::studio::{Effect, Next, Question, Severity, Studio};
+use super::tools::Overlay;
 use crate::document::store::Over;
 use crate::document::{Document, Edit, EditError, PhotoId};
-use crate::paint::{BACKGROUND, BrushSettings, CROWN, Paint, Stroke, TRUNK, TiledMask, inverted};
+use crate::paint::{BACKGROUND, CROWN, TRUNK, TiledMask, inverted};
 use std::path::PathBuf;
 use std::sync::Arc;
 
 /// What a brush grows by at a key press.
 const BRUSH_STEP: f64 = 1.125;
+
+/// What it grows by with Shift, pixels of its radius.
+const BRUSH_LEAP_PX: f64 = 10.0;
+
+/// What a key press zooms by.
+const ZOOM_STEP: f32 = 1.25;
 
 impl Studio {
     /// Does what was asked.
@@ -25,7 +32,8 @@ impl Studio {
             Action::EndGesture => self.end_gesture(),
             Action::AbortGesture => self.abort_gesture(),
             Action::Pen(pen) => self.pen(pen),
-            Action::TakeTool(tool) => self.tools.tool = tool,
+            Action::Mask(action) => self.act_on_mask(action),
+            Action::TakeTool(tool) => self.take_tool(tool),
             Action::PaintLabel(label) => {
                 self.tools.label = label;
                 self.tools.is_erasing = false;
@@ -54,7 +62,9 @@ impl Studio {
     /// Something of the project may look different now.
     pub(super) fn changed(&mut self) {
         self.generation += 1;
+        self.forget_foreign_sketch();
         self.decode_what_is_shown();
+        self.ask_for_shape();
     }
 
     fn run(&mut self, command: Command) {
@@ -68,9 +78,10 @@ impl Studio {
             Command::SaveAs => self.effects.push(Effect::AskWhereToSave),
             Command::Quit => self.unless_unsaved(Next::Quit),
             Command::Undo => {
-                self.painting = None;
-                self.document.undo();
-                self.changed();
+                if !self.step_back() {
+                    self.document.undo();
+                    self.changed();
+                }
             }
             Command::Redo => {
                 self.document.redo();
@@ -84,15 +95,26 @@ impl Studio {
             Command::ClearMask => self.edit_mask("Clear Mask", |mask| {
                 *mask = TiledMask::filled(mask.width(), mask.height(), BACKGROUND);
             }),
-            Command::InvertMask => self.edit_mask("Invert Mask", |mask| {
-                inverted(mask, CROWN);
-            }),
-            Command::Take(tool) => self.tools.tool = tool,
+            Command::InvertMask => {
+                let label = self.tools.label;
+                self.change_mask("Invert Mask", move |mask, _| Ok(inverted(mask, label)));
+            }
+            Command::Mask(command) => self.run_on_mask(command),
+            Command::Take(tool) => self.take_tool(tool),
+            Command::Label(label) => self.act(Action::PaintLabel(label)),
             Command::LargerBrush => {
-                self.act(Action::BrushRadius(self.tools.radius_px * BRUSH_STEP))
+                let radius = (self.tools.radius_px * BRUSH_STEP).max(self.tools.radius_px + 0.5);
+                self.act(Action::BrushRadius(radius));
             }
             Command::SmallerBrush => {
-                self.act(Action::BrushRadius(self.tools.radius_px / BRUSH_STEP));
+                let radius = (self.tools.radius_px / BRUSH_STEP).min(self.tools.radius_px - 0.5);
+                self.act(Action::BrushRadius(radius));
+            }
+            Command::MuchLargerBrush => {
+                self.act(Action::BrushRadius(self.tools.radius_px + BRUSH_LEAP_PX));
+            }
+            Command::MuchSmallerBrush => {
+                self.act(Action::BrushRadius(self.tools.radius_px - BRUSH_LEAP_PX));
             }
             Command::ToggleEraser => self.tools.is_erasing = !self.tools.is_erasing,
             Command::SwapLabel => {
@@ -106,7 +128,10 @@ impl Studio {
             Command::Show(workspace) => self.workspace = workspace,
             Command::ZoomToFit => self.effects.push(Effect::ZoomToFit),
             Command::ZoomToPixels => self.effects.push(Effect::ZoomToPixels),
-            Command::ToggleMask => self.shows_mask = !self.shows_mask,
+            Command::ZoomIn => self.effects.push(Effect::ZoomBy(ZOOM_STEP)),
+            Command::ZoomOut => self.effects.push(Effect::ZoomBy(1.0 / ZOOM_STEP)),
+            Command::ToggleMask => self.toggle_overlay(Overlay::Tint),
+            Command::Overlay(overlay) => self.toggle_overlay(overlay),
             Command::ToggleTheme => self.preferences.is_dark = !self.preferences.is_dark,
             Command::RestoreLayout => self.effects.push(Effect::RestoreLayout),
             Command::Palette => self.effects.push(Effect::TogglePalette),
@@ -119,19 +144,22 @@ impl Studio {
     /// Whether the command would do something now; menus grey out what would not.
     pub fn can(&self, command: Command) -> bool {
         match command {
-            Command::Undo => self.document.undo_label().is_some(),
+            Command::Undo => self.document.undo_label().is_some() || self.is_drawing(),
             Command::Redo => self.document.redo_label().is_some(),
             Command::Save => self.document.is_dirty() || self.file.path.is_none(),
             Command::RemovePhoto
             | Command::ClearMask
             | Command::InvertMask
+            | Command::Mask(_)
+            | Command::ZoomIn
+            | Command::ZoomOut
             | Command::ZoomToFit
             | Command::ZoomToPixels => self.shown().is_some(),
             _ => true,
         }
     }
 
-    fn edit(&mut self, label: &'static str, edit: Edit, gesture: Gesture) {
+    pub(super) fn edit(&mut self, label: &'static str, edit: Edit, gesture: Gesture) {
         if gesture == Gesture::Whole {
             self.end_gesture();
         } else if !self.document.is_in_gesture() {
@@ -144,7 +172,7 @@ impl Studio {
         self.told(edited);
     }
 
-    fn told(&mut self, edited: Result<bool, EditError>) {
+    pub(super) fn told(&mut self, edited: Result<bool, EditError>) {
         match edited {
             Ok(true) => self.changed(),
             Ok(false) => {}
@@ -162,74 +190,22 @@ impl Studio {
         self.edit(label, Edit::SetMask(photo, Arc::new(mask)), Gesture::Whole);
     }
 
-    fn end_gesture(&mut self) {
+    pub(super) fn end_gesture(&mut self) {
         self.pen(Pen::Up);
         if self.document.commit() {
             self.changed();
         }
+        self.take_up_held();
     }
 
     fn abort_gesture(&mut self) {
         self.painting = None;
+        self.mask_work.sketch = None;
+        self.generation += 1;
         if self.document.abort() {
             self.changed();
         }
-    }
-
-    fn pen(&mut self, pen: Pen) {
-        match pen {
-            Pen::Down { sample, erases } => {
-                self.end_gesture();
-                self.painting = self.painting_begun(erases);
-                self.pen(Pen::Move(sample));
-            }
-            Pen::Move(sample) => {
-                if let Some(painting) = &mut self.painting {
-                    painting.stroke.extend(&mut painting.mask, sample);
-                    self.generation += 1;
-                }
-            }
-            Pen::Up => {
-                if let Some(Painting {
-                    photo,
-                    stroke,
-                    mut mask,
-                }) = self.painting.take()
-                {
-                    stroke.finish(&mut mask);
-                    let label = if self.tools.is_erasing {
-                        "Erase"
-                    } else {
-                        "Brush"
-                    };
-                    let edit = Edit::SetMask(photo, Arc::new(mask));
-                    let edited = self.document.apply(label, edit);
-                    self.told(edited);
-                }
-            }
-        }
-    }
-
-    fn painting_begun(&self, erases: bool) -> Option<Painting> {
-        let photo = self.shown()?;
-        let mask = self.document.state().mask(photo)?;
-        let tools = &self.tools;
-        let settings = BrushSettings {
-            radius_px: tools.radius_px,
-            hardness: tools.hardness,
-            smoothing: tools.smoothing,
-            ..BrushSettings::default()
-        };
-        let label = if erases || tools.is_erasing {
-            BACKGROUND
-        } else {
-            tools.label
-        };
-        (tools.tool == Tool::Brush).then(|| Painting {
-            photo,
-            stroke: Stroke::new(settings, Paint::of(label)),
-            mask: TiledMask::clone(mask),
-        })
+        self.take_up_held();
     }
 
     fn show_photo(&mut self, photo: PhotoId) {

@@ -1,7 +1,9 @@
 //! What panels, keys and menus ask the studio to do.
 
 use super::commands::Command;
-use super::studio::{Tool, Workspace};
+use super::mask_action::MaskAction;
+use super::studio::Workspace;
+use super::tools::Tool;
 use crate::document::{Edit, PhotoId, ViewState};
 use crate::jobs::JobId;
 use crate::paint::Sample;
@@ -39,6 +41,8 @@ pub enum Action {
     AbortGesture,
     /// The pen on the canvas of the shown photograph.
     Pen(Pen),
+    /// Something with the mask of the shown photograph.
+    Mask(MaskAction),
     /// Takes up another tool.
     TakeTool(Tool),
     /// The label that tools paint.

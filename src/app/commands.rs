@@ -4,7 +4,9 @@
 //! shortcut sheet and keyboard all read it. To add one: give it a variant, a row, and an arm in
 //! [`super::act`].
 
-use super::studio::{Tool, Workspace};
+use super::mask_action::MaskCommand;
+use super::studio::Workspace;
+use super::tools::{Overlay, Tool};
 use egui::{Key, KeyboardShortcut, Modifiers};
 
 /// A menu of the menu bar.
@@ -79,12 +81,20 @@ pub enum Command {
     ClearMask,
     /// Crown becomes background and background crown.
     InvertMask,
+    /// Changes labels, or brings them in and out.
+    Mask(MaskCommand),
+    /// Chooses what tools paint.
+    Label(u8),
     /// Takes up a tool.
     Take(Tool),
     /// A larger brush.
     LargerBrush,
     /// A smaller brush.
     SmallerBrush,
+    /// A brush larger by ten pixels.
+    MuchLargerBrush,
+    /// A brush smaller by ten pixels.
+    MuchSmallerBrush,
     /// Turns erasing on and off.
     ToggleEraser,
     /// Paints crown or trunk.
@@ -95,6 +105,12 @@ pub enum Command {
     ZoomToFit,
     /// One pixel of the picture on one of the screen.
     ZoomToPixels,
+    /// Comes nearer to the picture.
+    ZoomIn,
+    /// Goes away from the picture.
+    ZoomOut,
+    /// Shows something else over the photograph or hides it.
+    Overlay(Overlay),
     /// Shows the labels over the photograph or hides them.
     ToggleMask,
     /// Dark or light.
@@ -162,18 +178,51 @@ pub const TABLE: &[Row] = &[
     row(Command::Redo, Menu::Edit, "Redo", "Makes the step again that was taken back.", COMMAND_SHIFT, Key::Z),
     row(Command::RemovePhoto, Menu::Edit, "Remove Picture", "Takes the shown picture out of the project, with its mask.", COMMAND, Key::Delete),
     row(Command::ClearMask, Menu::Mask, "Clear", "Makes everything background.", COMMAND_SHIFT, Key::A),
-    row(Command::InvertMask, Menu::Mask, "Invert", "What was crown becomes background, and the other way round.", COMMAND, Key::I),
+    row(Command::InvertMask, Menu::Mask, "Invert", "What has the chosen label becomes background, and the other way round.", COMMAND, Key::I),
+    row(Command::Mask(MaskCommand::Propose), Menu::Mask, "Propose Mask", "Labels crown and trunk of a cut-out tree; correct them by hand. For photographs with their background it takes up Smart Select.", SHIFT, Key::P),
+    row(Command::Mask(MaskCommand::Grow), Menu::Mask, "Grow", "Widens the chosen label over background, by the amount in the canvas's options.", SHIFT, Key::G),
+    row(Command::Mask(MaskCommand::Shrink), Menu::Mask, "Shrink", "Narrows the chosen label, by the amount in the canvas's options.", SHIFT, Key::K),
+    row(Command::Mask(MaskCommand::Smooth), Menu::Mask, "Smooth", "Rounds the outline of the chosen label: details smaller than the amount go.", SHIFT, Key::S),
+    row(Command::Mask(MaskCommand::FillHoles), Menu::Mask, "Fill Holes", "Gives the chosen label to background that labels enclose, up to the size in the options.", SHIFT, Key::H),
+    row(Command::Mask(MaskCommand::RemoveSpecks), Menu::Mask, "Remove Specks", "Clears pieces of the chosen label up to the size in the options.", SHIFT, Key::D),
+    row(Command::Mask(MaskCommand::Flip), Menu::Mask, "Flip", "Left and right change places.", SHIFT, Key::F),
+    row(Command::Mask(MaskCommand::MirrorLeft), Menu::Mask, "Mirror Left Half", "The right half becomes the mirror image of the left.", SHIFT, Key::M),
+    row(Command::Mask(MaskCommand::MirrorRight), Menu::Mask, "Mirror Right Half", "The left half becomes the mirror image of the right.", SHIFT, Key::N),
+    row(Command::Mask(MaskCommand::Import), Menu::Mask, "Import Mask…", "Reads labels from a picture file: white is crown, mid grey trunk, black background.", SHIFT, Key::I),
+    row(Command::Mask(MaskCommand::Export), Menu::Mask, "Export Mask…", "Writes the labels to a grey PNG file.", SHIFT, Key::E),
     row(Command::Take(Tool::Brush), Menu::Tools, "Brush", "Paints the label. Ctrl erases; [ and ] change the size.", NONE, Key::B),
     row(Command::Take(Tool::Hand), Menu::Tools, "Hand", "Moves the picture. With any tool: Space and drag, or the middle button.", NONE, Key::H),
+    row(Command::Take(Tool::Lasso), Menu::Tools, "Lasso", "Labels what a line drawn by hand goes round. Ctrl erases.", NONE, Key::L),
+    row(Command::Take(Tool::Polygon), Menu::Tools, "Polygon", "Labels what a line from click to click goes round. Enter or a double click closes it, Backspace takes a click back.", SHIFT, Key::L),
+    row(Command::Take(Tool::Livewire), Menu::Tools, "Livewire", "A line that clings to edges from click to click. Enter closes it.", NONE, Key::I),
+    row(Command::Take(Tool::Flood), Menu::Tools, "Flood", "Labels what has the colour of the place that is clicked.", NONE, Key::G),
+    row(Command::Take(Tool::Smart), Menu::Tools, "Smart Select", "Draw strokes inside, and with Ctrl or the right button outside; the outline between them is found. Enter takes it.", NONE, Key::S),
     row(Command::ToggleEraser, Menu::Tools, "Eraser", "Turns erasing on and off, whatever the tool.", NONE, Key::E),
     row(Command::LargerBrush, Menu::Tools, "Larger Brush", "Makes the brush larger by an eighth.", NONE, Key::CloseBracket),
     row(Command::SmallerBrush, Menu::Tools, "Smaller Brush", "Makes the brush smaller by an eighth.", NONE, Key::OpenBracket),
+    row(Command::MuchLargerBrush, Menu::Tools, "Larger Brush by 10", "Makes the brush's radius ten pixels larger.", SHIFT, Key::CloseCurlyBracket),
+    row(Command::MuchSmallerBrush, Menu::Tools, "Smaller Brush by 10", "Makes the brush's radius ten pixels smaller.", SHIFT, Key::OpenCurlyBracket),
+    row(Command::Label(1), Menu::Tools, "Paint Crown", "Tools paint foliage.", NONE, Key::Num1),
+    row(Command::Label(2), Menu::Tools, "Paint Trunk", "Tools paint the stem and main limbs below the foliage.", NONE, Key::Num2),
+    row(Command::Label(3), Menu::Tools, "Paint Sub-crown 1", "Tools paint the first part of the crown that is a crown of its own.", NONE, Key::Num3),
+    row(Command::Label(4), Menu::Tools, "Paint Sub-crown 2", "Tools paint the second sub-crown.", NONE, Key::Num4),
+    row(Command::Label(5), Menu::Tools, "Paint Sub-crown 3", "Tools paint the third sub-crown.", NONE, Key::Num5),
+    row(Command::Label(6), Menu::Tools, "Paint Sub-crown 4", "Tools paint the fourth sub-crown.", NONE, Key::Num6),
+    row(Command::Label(7), Menu::Tools, "Paint Sub-crown 5", "Tools paint the fifth sub-crown.", NONE, Key::Num7),
+    row(Command::Label(8), Menu::Tools, "Paint Sub-crown 6", "Tools paint the sixth sub-crown.", NONE, Key::Num8),
+    row(Command::Label(9), Menu::Tools, "Paint Sub-crown 7", "Tools paint the seventh sub-crown.", NONE, Key::Num9),
     row(Command::SwapLabel, Menu::Tools, "Swap Crown and Trunk", "Paints trunk instead of crown, or crown again.", NONE, Key::X),
     row(Command::Show(Workspace::Crown), Menu::View, "Crown Workspace", "Paint a mask on a photograph and see its crown.", COMMAND, Key::Num1),
     row(Command::Show(Workspace::Variations), Menu::View, "Variations Workspace", "Make new trees from several.", COMMAND, Key::Num2),
     row(Command::Show(Workspace::Library), Menu::View, "Library Workspace", "All pictures of the project.", COMMAND, Key::Num3),
     row(Command::ZoomToFit, Menu::View, "Zoom to Fit", "Shows all of the picture.", NONE, Key::Num0),
     row(Command::ZoomToPixels, Menu::View, "Zoom to Pixels", "Shows each pixel of the picture on one of the screen.", COMMAND, Key::Num0),
+    row(Command::ZoomIn, Menu::View, "Zoom In", "Comes nearer to the picture. The wheel does so at the pointer.", NONE, Key::Plus),
+    row(Command::ZoomOut, Menu::View, "Zoom Out", "Shows more of the picture. The wheel does so at the pointer.", NONE, Key::Minus),
+    row(Command::Overlay(Overlay::Silhouette), Menu::View, "Silhouette Line", "Shows the line around what is labelled, pixel by pixel.", SHIFT, Key::Q),
+    row(Command::Overlay(Overlay::Contour), Menu::View, "Contour", "Shows the outline that new trees are made from.", SHIFT, Key::C),
+    row(Command::Overlay(Overlay::Pins), Menu::View, "Pins", "Shows the foot of the tree and the shoulders of its trunk: the places that match on all trees.", SHIFT, Key::T),
+    row(Command::Overlay(Overlay::Baseline), Menu::View, "Baseline", "Shows where the crown begins above the trunk.", SHIFT, Key::B),
     row(Command::ToggleMask, Menu::View, "Mask Tint", "Shows the labels over the photograph, or hides them.", NONE, Key::Q),
     row(Command::ToggleTheme, Menu::View, "Dark or Light", "Changes between the dark and the light theme.", COMMAND_SHIFT, Key::L),
     row(Command::RestoreLayout, Menu::View, "Restore Default Layout", "Puts all panels back where they came from.", COMMAND_SHIFT, Key::R),

@@ -4,6 +4,7 @@
 //! hand is that quick, so our own dialog, a field for the path, opens then.
 
 use super::action::Action;
+use super::mask_action::MaskAction;
 use super::theme::GAP;
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
@@ -19,6 +20,10 @@ pub(super) enum Purpose {
     Open,
     /// The file to save the project to.
     Save,
+    /// A picture whose labels are wanted.
+    ImportMask,
+    /// The file to write the labels to.
+    ExportMask,
 }
 
 /// The dialogs of the window; one at a time.
@@ -103,6 +108,15 @@ fn of_desktop(purpose: Purpose) -> Option<Vec<PathBuf>> {
             )
             .add_filter("All files", &["*"])
             .pick_files(),
+        Purpose::ImportMask => dialog
+            .add_filter("Masks", &["png", "tif", "tiff", "tga", "bmp", "webp"])
+            .pick_file()
+            .map(|path| vec![path]),
+        Purpose::ExportMask => {
+            let dialog = dialog.add_filter("PNG picture", &["png"]);
+            let dialog = dialog.set_file_name("mask.png");
+            dialog.save_file().map(|path| vec![path])
+        }
         Purpose::Save => {
             let dialog = dialog.add_filter("Boscage project", &["boscage"]);
             dialog
@@ -116,6 +130,14 @@ fn of_desktop(purpose: Purpose) -> Option<Vec<PathBuf>> {
 fn chosen(purpose: Purpose, mut paths: Vec<PathBuf>) -> Option<Action> {
     match purpose {
         Purpose::Open => (!paths.is_empty()).then_some(Action::Open(paths)),
+        Purpose::ImportMask => Some(Action::Mask(MaskAction::Import(paths.pop()?))),
+        Purpose::ExportMask => {
+            let mut path = paths.pop()?;
+            if path.extension().is_none() {
+                path.set_extension("png");
+            }
+            Some(Action::Mask(MaskAction::Export(path)))
+        }
         Purpose::Save => {
             let mut path = paths.pop()?;
             if path.extension().is_none() {
@@ -141,6 +163,8 @@ impl OwnDialog {
         let (title, verb) = match self.purpose {
             Purpose::Open => ("Open", "Open"),
             Purpose::Save => ("Save Project As", "Save"),
+            Purpose::ImportMask => ("Import Mask", "Import"),
+            Purpose::ExportMask => ("Export Mask", "Export"),
         };
         let modal = egui::Modal::new(egui::Id::unique("own file dialog")).show(ctx, |ui| {
             ui.set_width(460.0);

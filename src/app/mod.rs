@@ -12,24 +12,31 @@
 //! Imports everything but `cli`.
 
 mod act;
+mod act_mask;
 mod action;
 mod commands;
 mod dock;
 mod files;
+mod mask_action;
+mod mask_jobs;
 mod outcome;
 mod palette;
 mod panels;
 mod photos;
 mod preferences;
+mod selecting;
 mod shell;
 mod shortcut_sheet;
 mod start;
 mod studio;
 mod theme;
+mod tools;
 mod tour;
 
 pub use action::{Action, Answer, Gesture, Pen};
 pub use commands::{Command, Menu, Row, TABLE};
+pub use mask_action::{MaskAction, MaskCommand};
 pub use preferences::{Navigation, Preferences};
 pub use shell::{Shell, StartError, run};
-pub use studio::{Next, Notice, ProjectFile, Question, Severity, Studio, Tool, Workspace};
+pub use studio::{Next, Notice, ProjectFile, Question, Severity, Studio, Workspace};
+pub use tools::{Overlay, Tool, ToolOption};

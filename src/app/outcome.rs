@@ -1,5 +1,6 @@
 //! The jobs of the window, and what becomes of their results.
 
+use super::mask_jobs::MaskResult;
 use super::photos::{THUMBNAIL_PX, Thumbnail};
 use super::studio::{Effect, Question, Severity, Studio};
 use crate::base::Digest;
@@ -7,7 +8,7 @@ use crate::document::store::{self, LockError, OnDisk, Over, Recoverable, Stamp, 
 use crate::document::{Decoded, Document, Edit, PhotoId, Snapshot};
 use crate::jobs::{Context, JobError, Message, Priority, Report, Request, Topic};
 use crate::paint::TiledMask;
-use crate::raster::{Image, ReadLimits, Rect, Straight, read_image_from_memory, resized};
+use crate::raster::{Image, Pyramid, ReadLimits, Rect, Straight, read_image_from_memory, resized};
 use crate::segment::{Classical, Segmenter as _};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -38,6 +39,10 @@ pub(super) enum Outcome {
     Looked(PathBuf, OnDisk),
     /// An autosave was thrown away.
     Discarded(PathBuf),
+    /// A photograph's smaller versions, for the canvas.
+    Reduced(Digest, Arc<Pyramid>),
+    /// Something about a mask.
+    Mask(MaskResult),
 }
 
 /// A picture that was read from a file.
@@ -73,7 +78,12 @@ impl Studio {
 
     fn accept(&mut self, outcome: Outcome) {
         match outcome {
-            Outcome::Whole(digest, image) => self.photos.put_whole(digest, image),
+            Outcome::Whole(digest, image) => {
+                self.photos.put_whole(digest, image);
+                self.ask_for_shape();
+            }
+            Outcome::Reduced(digest, pyramid) => self.photos.put_pyramid(digest, pyramid),
+            Outcome::Mask(result) => self.accept_mask(result),
             Outcome::Thumb(digest, thumbnail) => self.photos.put_thumbnail(digest, thumbnail),
             Outcome::Pictures(pictures, failures) => self.add(pictures, failures),
             Outcome::Opened(path, decoded, stamp) => self.opened(path, *decoded, stamp),
@@ -185,6 +195,8 @@ impl Studio {
         self.document = document;
         self.file = super::studio::ProjectFile::default();
         self.painting = None;
+        self.mask_work.sketch = None;
+        self.mask_work.held.clear();
         self.autosave_clock = store::AutosaveClock::default();
         self.autosave_clock
             .wrote(self.document.snapshot().revision());
@@ -240,9 +252,12 @@ impl Studio {
             if is_shown {
                 let title = format!("Decoding {}", photo.name);
                 let (bytes, name) = (Arc::clone(&bytes), photo.name.clone());
-                let work = move |_: &Context<Outcome>| {
+                let work = move |context: &Context<Outcome>| {
                     let image = decoded(&bytes, &name).map_err(JobError::failed)?;
-                    Ok(Outcome::Whole(digest, Arc::new(image)))
+                    let image = Arc::new(image);
+                    context.publish(Outcome::Whole(digest, Arc::clone(&image)));
+                    let pyramid = Pyramid::of(&image, THUMBNAIL_PX, context.cancel())?;
+                    Ok(Outcome::Reduced(digest, Arc::new(pyramid)))
                 };
                 let topic = topic("whole photo", 0);
                 self.jobs

@@ -4,7 +4,7 @@
 //! others only a thumbnail is kept.
 
 use crate::base::Digest;
-use crate::raster::{Image, Straight};
+use crate::raster::{Image, Pyramid, Straight};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -15,6 +15,7 @@ pub(super) const THUMBNAIL_PX: u32 = 160;
 #[derive(Debug, Default)]
 pub(super) struct Photos {
     whole: Option<(Digest, Arc<Image<Straight>>)>,
+    pyramid: Option<(Digest, Arc<Pyramid>)>,
     thumbnails: BTreeMap<Digest, Thumbnail>,
 }
 
@@ -39,6 +40,16 @@ impl Photos {
     /// The thumbnail of the photograph with this digest, `None` before it was asked for.
     pub(super) fn thumbnail(&self, digest: Digest) -> Option<&Thumbnail> {
         self.thumbnails.get(&digest)
+    }
+
+    /// The smaller versions of the photograph with this digest, if they are there.
+    pub(super) fn pyramid(&self, digest: Digest) -> Option<&Arc<Pyramid>> {
+        let (of, pyramid) = self.pyramid.as_ref()?;
+        (*of == digest).then_some(pyramid)
+    }
+
+    pub(super) fn put_pyramid(&mut self, digest: Digest, pyramid: Arc<Pyramid>) {
+        self.pyramid = Some((digest, pyramid));
     }
 
     pub(super) fn put_whole(&mut self, digest: Digest, image: Arc<Image<Straight>>) {

@@ -144,7 +144,11 @@ impl Shell {
         match effect {
             Effect::AskWhatToOpen => self.dialogs.ask(Purpose::Open, ctx),
             Effect::AskWhereToSave => self.dialogs.ask(Purpose::Save, ctx),
-            Effect::ZoomToFit | Effect::ZoomToPixels => self.panels.perform(&effect),
+            Effect::AskWhichMask => self.dialogs.ask(Purpose::ImportMask, ctx),
+            Effect::AskWhereToExportMask => self.dialogs.ask(Purpose::ExportMask, ctx),
+            Effect::ZoomToFit | Effect::ZoomToPixels | Effect::ZoomBy(_) => {
+                self.panels.perform(&effect);
+            }
             Effect::RestoreLayout => self.layouts = Layouts::default(),
             Effect::TogglePalette => self.palette.toggle(),
             Effect::ToggleShortcutSheet => self.shows_shortcuts = !self.shows_shortcuts,
@@ -312,6 +316,12 @@ fn shortcuts(ctx: &Context, studio: &Studio, actions: &mut Vec<Action>) {
     let redo = egui::KeyboardShortcut::new(egui::Modifiers::COMMAND, egui::Key::Y);
     if ctx.input_mut(|input| input.consume_shortcut(&redo)) {
         actions.push(Action::Do(Command::Redo));
+    }
+    // `+` stands above `=` on many keyboards.
+    if !is_typing
+        && ctx.input_mut(|input| input.consume_key(egui::Modifiers::NONE, egui::Key::Equals))
+    {
+        actions.push(Action::Do(Command::ZoomIn));
     }
     // Those with more modifiers first, or Ctrl+S would take Ctrl+Shift+S.
     let mut rows: Vec<_> = TABLE.iter().collect();

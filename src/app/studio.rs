@@ -1,13 +1,15 @@
 //! What the studio knows: the project, what it shows, the tools in hand, the jobs. No window.
 
+use super::act_mask::MaskWork;
 use super::commands::Command;
 use super::outcome::Outcome;
 use super::photos::Photos;
 use super::preferences::Preferences;
+use super::tools::Tools;
 use crate::document::store::{Autosave, AutosaveClock, Lock, Recoverable, Recovery, Stamp};
 use crate::document::{Document, PhotoId};
 use crate::jobs::Jobs;
-use crate::paint::{CROWN, Stroke, TiledMask};
+use crate::paint::{Stroke, TiledMask};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
@@ -35,46 +37,6 @@ impl Workspace {
             Self::Crown => "Crown",
             Self::Variations => "Variations",
             Self::Library => "Library",
-        }
-    }
-}
-
-/// What the hand holds over the canvas.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum Tool {
-    /// Paints labels.
-    #[default]
-    Brush,
-    /// Moves the picture.
-    Hand,
-}
-
-/// The tools and how they are set.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Tools {
-    /// The one in hand.
-    pub tool: Tool,
-    /// What it paints.
-    pub label: u8,
-    /// Whether it erases instead.
-    pub is_erasing: bool,
-    /// Radius of the brush, pixels of the photograph.
-    pub radius_px: f64,
-    /// Hardness of the brush, 0 to 1.
-    pub hardness: f64,
-    /// How far the brush calms the hand, 0 to 1.
-    pub smoothing: f64,
-}
-
-impl Default for Tools {
-    fn default() -> Self {
-        Self {
-            tool: Tool::default(),
-            label: CROWN,
-            is_erasing: false,
-            radius_px: 24.0,
-            hardness: 1.0,
-            smoothing: 0.3,
         }
     }
 }
@@ -137,7 +99,7 @@ pub struct Notice {
 }
 
 /// Something that only the window can do.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) enum Effect {
     /// Shows the file dialog for opening.
     AskWhatToOpen,
@@ -147,6 +109,12 @@ pub(super) enum Effect {
     ZoomToFit,
     /// Shows each pixel on one of the screen.
     ZoomToPixels,
+    /// Zooms the canvas by this factor.
+    ZoomBy(f32),
+    /// Shows the file dialog for a mask to read.
+    AskWhichMask,
+    /// Shows the file dialog for a mask to write.
+    AskWhereToExportMask,
     /// Puts all panels back.
     RestoreLayout,
     /// Opens the command palette or closes it.
@@ -167,6 +135,8 @@ pub(super) struct Painting {
     pub(super) photo: PhotoId,
     pub(super) stroke: Stroke,
     pub(super) mask: TiledMask,
+    /// Whether it erases.
+    pub(super) erases: bool,
 }
 
 /// The autosaves of this session; shared with the job that writes them.
@@ -188,7 +158,7 @@ pub struct Studio {
     pub(super) tools: Tools,
     pub(super) painting: Option<Painting>,
     pub(super) workspace: Workspace,
-    pub(super) shows_mask: bool,
+    pub(super) mask_work: MaskWork,
     pub(super) preferences: Preferences,
     /// Commands in the order of their last use, the latest first.
     pub(super) recent_commands: Vec<Command>,
@@ -224,7 +194,7 @@ impl Studio {
             tools: Tools::default(),
             painting: None,
             workspace: Workspace::default(),
-            shows_mask: true,
+            mask_work: MaskWork::default(),
             preferences,
             recent_commands: Vec::new(),
             question: None,

@@ -50,6 +50,44 @@ pub(super) struct Tokens {
     pub(super) error: Color32,
 }
 
+/// The colours of labels 1 to 9, over any photograph: told apart also by those who see red and green
+/// alike.
+const LABELS: [Color32; 9] = [
+    Color32::from_rgb(112, 214, 84),
+    Color32::from_rgb(236, 146, 58),
+    Color32::from_rgb(92, 160, 250),
+    Color32::from_rgb(232, 104, 196),
+    Color32::from_rgb(248, 222, 84),
+    Color32::from_rgb(104, 222, 222),
+    Color32::from_rgb(172, 132, 250),
+    Color32::from_rgb(250, 124, 112),
+    Color32::from_rgb(206, 196, 170),
+];
+
+/// The colour of a label; `None` for background.
+pub(super) fn label_color(label: u8) -> Option<Color32> {
+    let index = usize::from(label).checked_sub(1)?;
+    Some(LABELS[index.min(LABELS.len() - 1)])
+}
+
+/// What stands on a label's colour.
+pub(super) const ON_LABEL: Color32 = Color32::from_rgb(16, 18, 20);
+
+/// Lines over photographs: light, with a dark edge, so that they show on any of them.
+pub(super) const OVER_PHOTO: Color32 = Color32::from_rgb(255, 255, 255);
+
+/// The edge of those lines.
+pub(super) const UNDER_LINE: Color32 = Color32::from_black_alpha(150);
+
+/// What smart select was told is inside, and what it found.
+pub(super) const INSIDE: Color32 = Color32::from_rgb(90, 190, 255);
+
+/// What smart select was told is outside.
+pub(super) const OUTSIDE: Color32 = Color32::from_rgb(255, 96, 96);
+
+/// Pins and baseline.
+pub(super) const PIN: Color32 = Color32::from_rgb(255, 214, 64);
+
 const DARK: Tokens = Tokens {
     ground: Color32::from_rgb(24, 25, 26),
     panel: Color32::from_rgb(36, 37, 39),

@@ -43,7 +43,7 @@ impl Tile {
     }
 
     /// Whether both are the same without looking at the pixels.
-    fn is_shared_with(&self, other: &Self) -> bool {
+    pub(super) fn is_shared_with(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Uniform(a), Self::Uniform(b)) => a == b,
             (Self::Varied(a), Self::Varied(b)) => Arc::ptr_eq(a, b),
@@ -213,6 +213,15 @@ impl TiledMask {
             y: 0,
             width: self.width,
             height: self.height,
+        }
+    }
+
+    /// All of the mask at 1/2^`level` of its size.
+    pub fn rect_at(&self, level: u32) -> Rect {
+        Rect {
+            width: self.width.div_ceil(1 << level),
+            height: self.height.div_ceil(1 << level),
+            ..self.rect()
         }
     }
 

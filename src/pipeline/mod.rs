@@ -3,10 +3,12 @@
 //! The command line and the studio call the same functions here with the same settings, so that
 //! the same inputs give the same bytes.
 //!
-//! Imports `base`, `raster`, `geometry`, `crown`, `synth`, `scene`.
+//! Imports `base`, `raster`, `geometry`, `contour`, `segment`, `paint`, `variation`, `crown`, `synth`,
+//! `scene`.
 
 mod crown;
 mod frame;
+mod picture_shape;
 mod tree_maps;
 
 pub use crown::{
@@ -14,4 +16,5 @@ pub use crown::{
     crown_of_regions, crown_shape,
 };
 pub use frame::CrownFrame;
+pub use picture_shape::{PictureShape, picture_shape};
 pub use tree_maps::{DEPTH_SHARE, TreeMaps, tree_maps};

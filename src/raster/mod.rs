@@ -18,6 +18,7 @@ mod grey16;
 mod image;
 mod mask;
 mod palette_tiff;
+mod pyramid;
 mod read;
 mod rect;
 mod resample;
@@ -32,6 +33,7 @@ pub use image::{Image, Premultiplied, Straight};
 #[cfg(test)]
 pub(crate) use mask::mask;
 pub use mask::{Mask, dilated, flooded_from_outside, labelled_components, opaque_bounds};
+pub use pyramid::Pyramid;
 pub use read::{
     ImageError, PictureFormat, ReadLimits, Refusal, read_image, read_image_from_memory,
 };

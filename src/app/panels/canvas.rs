@@ -1,40 +1,86 @@
-//! The photograph and its mask.
+//! The photograph and its mask, and the tools over them.
+//!
+//! What is drawn lies in the modules below; here the pointer, the wheel and the keys become actions. The
+//! pointer's events are read one by one, not once a frame, so that a quick stroke has all its places.
+
+mod bar;
+mod camera;
+mod icons;
+mod overlay;
+mod photo_tiles;
+mod tint;
 
 use super::super::action::{Action, Pen};
-use super::super::studio::{Effect, Studio, Tool};
-use super::super::theme::tokens;
-use super::{color_image, empty};
+use super::super::mask_action::MaskAction;
+use super::super::selecting::Sketch;
+use super::super::studio::{Effect, Studio};
+use super::super::theme::{INSIDE, OUTSIDE, OVER_PHOTO, TIGHT, UNDER_LINE, label_color, tokens};
+use super::super::tools::{Overlay, Tool};
+use super::empty;
 use crate::base::Digest;
-use crate::paint::{CROWN, Sample, TRUNK, TiledMask};
+use crate::paint;
+use camera::Camera;
 use egui::{
-    Color32, ColorImage, PointerButton, Pos2, Rect, Sense, TextureHandle, TextureOptions, Ui, Vec2,
-    pos2, vec2,
+    CursorIcon, Event, Frame, Key, Margin, Modifiers, Panel, PointerButton, Pos2, Rect, Response,
+    Sense, Ui, Vec2, vec2,
 };
+use photo_tiles::PhotoTiles;
+use tint::TintTiles;
 
-/// The canvas.
-#[derive(Default)]
-pub(super) struct Canvas {
-    photo: Option<(Digest, TextureHandle)>,
-    tint: Option<(u64, TextureHandle)>,
-    wanted: Option<Zoom>,
-    /// The photograph's pixel in the middle of the panel, and points for a pixel.
-    center: Pos2,
-    zoom: f32,
+/// What a point of the wheel zooms by, as a logarithm.
+const WHEEL_ZOOM: f32 = 0.004;
+
+/// What a point of the wheel, or of a drag with Shift, changes the brush by, as a logarithm.
+const SCRUB: f32 = 0.008;
+
+/// What the hand is doing over the canvas.
+#[derive(Debug, Clone, Copy, Default)]
+enum Hand {
+    #[default]
+    Free,
+    /// The pen is down.
+    Drawing(PointerButton),
+    /// The picture moves with it.
+    Panning(PointerButton),
+    /// The brush's size follows it: where it began, and the radius then.
+    Scrubbing(Pos2, f64),
 }
 
-#[derive(Clone, Copy)]
-enum Zoom {
-    Fit,
-    Pixels,
+/// The canvas.
+pub(super) struct Canvas {
+    camera: Camera,
+    wanted: Option<Effect>,
+    photo: PhotoTiles,
+    mask: TintTiles,
+    hints: TintTiles,
+    found: TintTiles,
+    hand: Hand,
+    last: Pos2,
+}
+
+impl Default for Canvas {
+    fn default() -> Self {
+        let hint = |label| match label {
+            paint::INSIDE => Some(INSIDE),
+            paint::OUTSIDE => Some(OUTSIDE),
+            _ => None,
+        };
+        Self {
+            camera: Camera::default(),
+            wanted: None,
+            photo: PhotoTiles::default(),
+            mask: TintTiles::new(label_color),
+            hints: TintTiles::new(hint),
+            found: TintTiles::new(|label| (label != 0).then_some(INSIDE)),
+            hand: Hand::Free,
+            last: Pos2::ZERO,
+        }
+    }
 }
 
 impl Canvas {
     pub(super) fn perform(&mut self, effect: &Effect) {
-        match effect {
-            Effect::ZoomToFit => self.wanted = Some(Zoom::Fit),
-            Effect::ZoomToPixels => self.wanted = Some(Zoom::Pixels),
-            _ => {}
-        }
+        self.wanted = Some(effect.clone());
     }
 
     pub(super) fn show(&mut self, ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
@@ -48,132 +94,271 @@ impl Canvas {
             );
             return;
         };
-        let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
+        let bar = Frame::new().fill(tokens(ui).panel);
+        Panel::top("canvas options")
+            .resizable(false)
+            .frame(bar.inner_margin(Margin::symmetric(6, 3)))
+            .show(ui, |ui| bar::options(ui, studio, actions));
+        Panel::left("canvas tools")
+            .resizable(false)
+            .exact_size(30.0 + 2.0 * TIGHT)
+            .frame(bar.inner_margin(Margin::same(4)))
+            .show(ui, |ui| bar::tool_column(ui, studio, actions));
+        let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::drag());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Canvas"));
         ui.painter().rect_filled(rect, 0.0, tokens(ui).sunken);
+        self.camera.panel = rect;
+        self.camera.pixels_per_point = ui.ctx().pixels_per_point();
         let size = vec2(photo.width as f32, photo.height as f32);
-        self.navigate(ui, &response, rect, size);
-        self.draw(ui, studio, photo.digest, rect, size);
-        self.paint(ui, studio, &response, rect, actions);
+        self.look(size);
+        self.wheel(ui, studio, &response, actions);
+        self.pointer(ui, studio, &response, size, actions);
+        keys(ui, studio, actions);
+        self.draw(ui, studio, photo.digest, size);
+        self.cursor(ui, studio, &response);
     }
 
-    /// Where a pixel of the photograph is on the screen.
-    fn on_screen(&self, rect: Rect, pixel: Pos2) -> Pos2 {
-        rect.center() + (pixel - self.center) * self.zoom
-    }
-
-    fn on_photo(&self, rect: Rect, point: Pos2) -> Pos2 {
-        self.center + (point - rect.center()) / self.zoom
-    }
-
-    fn navigate(&mut self, ui: &Ui, response: &egui::Response, rect: Rect, size: Vec2) {
-        if self.zoom <= 0.0 {
-            self.wanted = Some(Zoom::Fit);
+    /// Does what menus and keys asked of the view.
+    fn look(&mut self, size: Vec2) {
+        let camera = &mut self.camera;
+        if camera.zoom <= 0.0 {
+            camera.fit(size);
         }
         match self.wanted.take() {
-            Some(Zoom::Fit) => {
-                self.center = (size / 2.0).to_pos2();
-                self.zoom = (rect.width() / size.x).min(rect.height() / size.y) * 0.94;
-            }
-            Some(Zoom::Pixels) => self.zoom = 1.0 / ui.ctx().pixels_per_point(),
-            None => {}
-        }
-        let (wheel, space) = ui.input(|input| {
-            (
-                input.smooth_scroll_delta().y,
-                input.key_down(egui::Key::Space),
-            )
-        });
-        if let Some(pointer) = response.hover_pos()
-            && wheel != 0.0
-        {
-            let under = self.on_photo(rect, pointer);
-            self.zoom = (self.zoom * (wheel * 0.004).exp()).clamp(0.01, 64.0);
-            self.center = under - (pointer - rect.center()) / self.zoom;
-        }
-        if response.dragged_by(PointerButton::Middle) || (space && response.dragged()) {
-            self.center -= response.drag_delta() / self.zoom;
+            Some(Effect::ZoomToFit) => camera.fit(size),
+            Some(Effect::ZoomToPixels) => camera.to_pixels(),
+            Some(Effect::ZoomBy(factor)) => camera.zoom_at(camera.panel.center(), factor),
+            _ => {}
         }
     }
 
-    fn draw(&mut self, ui: &Ui, studio: &Studio, digest: Digest, rect: Rect, size: Vec2) {
-        let place = Rect::from_min_max(
-            self.on_screen(rect, Pos2::ZERO),
-            self.on_screen(rect, size.to_pos2()),
-        );
-        let painter = ui.painter().with_clip_rect(rect);
-        let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-        if self.photo.as_ref().is_none_or(|(of, _)| *of != digest) {
-            self.photo = studio.photos.whole(digest).map(|image| {
-                (
-                    digest,
-                    ui.ctx()
-                        .load_texture("photo", color_image(image), TextureOptions::LINEAR),
-                )
-            });
-        }
-        if let Some((_, texture)) = &self.photo {
-            painter.image(texture.id(), place, uv, Color32::WHITE);
-        }
-        let Some(mask) = studio.shown_mask().filter(|_| studio.shows_mask) else {
+    fn wheel(&mut self, ui: &Ui, studio: &Studio, response: &Response, actions: &mut Vec<Action>) {
+        let Some(pointer) = response.hover_pos() else {
             return;
         };
-        if self
-            .tint
-            .as_ref()
-            .is_none_or(|(of, _)| *of != studio.generation)
-        {
-            self.tint = Some((
-                studio.generation,
-                ui.ctx()
-                    .load_texture("mask", tint(mask), TextureOptions::NEAREST),
-            ));
-        }
-        if let Some((_, texture)) = &self.tint {
-            painter.image(texture.id(), place, uv, Color32::WHITE);
+        let (wheel, pinch, modifiers) = ui.input(|input| {
+            let wheel = input.smooth_scroll_delta();
+            (wheel.y, input.zoom_delta(), input.modifiers)
+        });
+        if pinch != 1.0 {
+            self.camera.zoom_at(pointer, pinch);
+        } else if wheel != 0.0 && modifiers.alt && studio.tools.tool.has_size() {
+            let radius = studio.tools.radius_px * f64::from(wheel * SCRUB).exp();
+            actions.push(Action::BrushRadius(radius));
+        } else if wheel != 0.0 {
+            self.camera.zoom_at(pointer, (wheel * WHEEL_ZOOM).exp());
         }
     }
 
-    fn paint(
-        &self,
+    /// Reads the pointer's events in their order.
+    fn pointer(
+        &mut self,
         ui: &Ui,
         studio: &Studio,
-        response: &egui::Response,
-        rect: Rect,
+        response: &Response,
+        size: Vec2,
         actions: &mut Vec<Action>,
     ) {
-        let Some(pointer) = response.hover_pos().or(response.interact_pointer_pos()) else {
-            return;
+        let is_over = response.contains_pointer() && !egui::Popup::is_any_open(ui.ctx());
+        let (events, has_space, is_down) = ui.input(|input| {
+            let has_space = input.key_down(Key::Space);
+            (input.events.clone(), has_space, input.pointer.any_down())
+        });
+        for event in events {
+            match event {
+                Event::PointerButton {
+                    pos,
+                    button,
+                    pressed: true,
+                    modifiers,
+                } if matches!(self.hand, Hand::Free) => {
+                    if is_over && self.camera.panel.contains(pos) {
+                        self.press(studio, pos, button, modifiers, has_space, actions);
+                    }
+                }
+                Event::PointerButton {
+                    button,
+                    pressed: false,
+                    ..
+                } => self.release(button, actions),
+                Event::PointerMoved(pos) => {
+                    self.moved(studio, pos, is_over, size, actions);
+                    self.last = pos;
+                }
+                _ => {}
+            }
+        }
+        if !is_down && !matches!(self.hand, Hand::Free) {
+            // The button went up where nobody saw it.
+            self.lift(actions);
+        }
+        let is_double =
+            ui.input(|input| input.pointer.button_double_clicked(PointerButton::Primary));
+        let is_line = matches!(studio.sketch(), Some(Sketch::Line(_) | Sketch::Wire(_)));
+        if is_over && is_double && is_line {
+            actions.push(Action::Mask(MaskAction::Close));
+        }
+    }
+
+    fn press(
+        &mut self,
+        studio: &Studio,
+        at: Pos2,
+        button: PointerButton,
+        modifiers: Modifiers,
+        has_space: bool,
+        actions: &mut Vec<Action>,
+    ) {
+        self.last = at;
+        let tool = studio.tools.tool;
+        let pans = button == PointerButton::Middle
+            || (button == PointerButton::Primary && (has_space || tool == Tool::Hand));
+        let is_outside = button == PointerButton::Secondary && tool == Tool::Smart;
+        if pans {
+            self.hand = Hand::Panning(button);
+        } else if button == PointerButton::Primary && modifiers.shift && tool.has_size() {
+            self.hand = Hand::Scrubbing(at, studio.tools.radius_px);
+        } else if button == PointerButton::Primary || is_outside {
+            let closing = studio
+                .sketch()
+                .and_then(|sketch| overlay::closing_place(&self.camera, sketch));
+            if closing.is_some_and(|place| place.distance(at) <= overlay::CLOSING) {
+                actions.push(Action::Mask(MaskAction::Close));
+                return;
+            }
+            self.hand = Hand::Drawing(button);
+            actions.push(Action::Pen(Pen::Down {
+                sample: self.camera.sample(at),
+                erases: modifiers.ctrl || is_outside,
+            }));
+        }
+    }
+
+    fn moved(
+        &mut self,
+        studio: &Studio,
+        to: Pos2,
+        is_over: bool,
+        size: Vec2,
+        actions: &mut Vec<Action>,
+    ) {
+        match self.hand {
+            Hand::Drawing(_) => actions.push(Action::Pen(Pen::Move(self.camera.sample(to)))),
+            Hand::Panning(_) => self.camera.pan(to - self.last, size),
+            Hand::Scrubbing(from, radius) => {
+                let radius = radius * f64::from((to.x - from.x) * SCRUB).exp();
+                actions.push(Action::BrushRadius(radius));
+            }
+            Hand::Free => {
+                if is_over && studio.sketch().is_some() {
+                    let sample = self.camera.sample(to);
+                    actions.push(Action::Mask(MaskAction::Hover(sample)));
+                }
+            }
+        }
+    }
+
+    fn release(&mut self, released: PointerButton, actions: &mut Vec<Action>) {
+        let is_released = match self.hand {
+            Hand::Free => false,
+            Hand::Drawing(button) | Hand::Panning(button) => button == released,
+            Hand::Scrubbing(..) => released == PointerButton::Primary,
         };
-        if studio.tools.tool != Tool::Brush || ui.input(|input| input.key_down(egui::Key::Space)) {
-            return;
+        if is_released {
+            self.lift(actions);
         }
-        let at = self.on_photo(rect, pointer);
-        let sample = Sample::at(f64::from(at.x) - 0.5, f64::from(at.y) - 0.5);
-        if response.drag_started_by(PointerButton::Primary) {
-            let erases = ui.input(|input| input.modifiers.ctrl);
-            actions.push(Action::Pen(Pen::Down { sample, erases }));
-        } else if response.dragged_by(PointerButton::Primary) {
-            actions.push(Action::Pen(Pen::Move(sample)));
-        }
-        if response.drag_stopped_by(PointerButton::Primary) {
+    }
+
+    fn lift(&mut self, actions: &mut Vec<Action>) {
+        if matches!(self.hand, Hand::Drawing(_)) {
             actions.push(Action::Pen(Pen::Up));
         }
-        let radius = studio.tools.radius_px as f32 * self.zoom;
-        let painter = ui.painter().with_clip_rect(rect);
-        painter.circle_stroke(pointer, radius, (2.0, Color32::from_black_alpha(140)));
-        painter.circle_stroke(pointer, radius, (1.0, Color32::WHITE));
+        self.hand = Hand::Free;
+    }
+
+    fn draw(&mut self, ui: &Ui, studio: &Studio, digest: Digest, size: Vec2) {
+        let painter = ui.painter().with_clip_rect(self.camera.panel);
+        let camera = self.camera;
+        let place = camera.rect_on_screen(Rect::from_min_size(Pos2::ZERO, size));
+        let checks = [tokens(ui).sunken, tokens(ui).raised];
+        self.photo.draw_checks(&painter, place, checks);
+        self.photo
+            .draw(&painter, &camera, &studio.photos, digest, size);
+        let within = painter.with_clip_rect(camera.panel.intersect(place));
+        let overlays = studio.mask_work.overlays;
+        if let Some(mask) = studio.shown_mask() {
+            self.mask.follow(mask);
+            if overlays.has(Overlay::Tint) {
+                self.mask.draw(&within, &camera, size);
+            }
+            if overlays.has(Overlay::Silhouette) {
+                let colors = (OVER_PHOTO, UNDER_LINE);
+                self.mask.draw_lines(&within, &camera, size, colors);
+            }
+        }
+        overlay::pixel_grid(&within, &camera, size);
+        overlay::shape(ui, &painter, &camera, studio);
+        match studio.sketch() {
+            Some(Sketch::Smart(smart)) => {
+                if let Some(selection) = &smart.selection {
+                    self.found.follow(selection);
+                    self.found.draw(&within, &camera, size);
+                    let colors = (OVER_PHOTO, UNDER_LINE);
+                    self.found.draw_lines(&within, &camera, size, colors);
+                }
+                self.hints.follow(&smart.hints);
+                self.hints.draw(&within, &camera, size);
+            }
+            Some(sketch) => overlay::sketch(&painter, &camera, sketch),
+            None => {
+                self.found.clear();
+                self.hints.clear();
+            }
+        }
+    }
+
+    /// The tool under the pointer.
+    fn cursor(&self, ui: &Ui, studio: &Studio, response: &Response) {
+        let scrubbed = match self.hand {
+            Hand::Scrubbing(from, _) => Some(from),
+            _ => None,
+        };
+        let Some(pointer) = response.hover_pos().or(scrubbed) else {
+            return;
+        };
+        let (space, ctrl) = ui.input(|input| (input.key_down(Key::Space), input.modifiers.ctrl));
+        let tool = studio.tools.tool;
+        let icon = match (self.hand, tool) {
+            (Hand::Panning(_), _) => CursorIcon::Grabbing,
+            (_, Tool::Hand) => CursorIcon::Grab,
+            _ if space => CursorIcon::Grab,
+            (_, Tool::Brush | Tool::Smart) => {
+                let painter = ui.painter().with_clip_rect(self.camera.panel);
+                let at = scrubbed.unwrap_or(pointer);
+                let erases = ctrl || (studio.tools.is_erasing && tool == Tool::Brush);
+                overlay::brush(&painter, &self.camera, studio, at, erases);
+                CursorIcon::None
+            }
+            _ => CursorIcon::Crosshair,
+        };
+        ui.ctx().set_cursor_icon(icon);
     }
 }
 
-fn tint(mask: &TiledMask) -> ColorImage {
-    let labels = mask.image();
-    let color = |label: &u8| match *label {
-        0 => Color32::TRANSPARENT,
-        CROWN => Color32::from_rgba_unmultiplied(110, 220, 80, 96),
-        TRUNK => Color32::from_rgba_unmultiplied(230, 150, 60, 110),
-        _ => Color32::from_rgba_unmultiplied(90, 160, 250, 110),
+/// Keys that mean something while a stroke or a selection is in progress.
+fn keys(ui: &Ui, studio: &Studio, actions: &mut Vec<Action>) {
+    if !studio.is_drawing() || ui.ctx().egui_wants_keyboard_input() {
+        return;
+    }
+    let pressed = |key| {
+        ui.ctx()
+            .input_mut(|input| input.consume_key(Modifiers::NONE, key))
     };
-    let pixels = labels.pixels().iter().map(color).collect();
-    ColorImage::new([labels.width() as usize, labels.height() as usize], pixels)
+    if pressed(Key::Escape) {
+        actions.push(Action::AbortGesture);
+    } else if pressed(Key::Enter) {
+        actions.push(Action::Mask(MaskAction::Close));
+    } else if pressed(Key::Backspace) {
+        actions.push(Action::Mask(MaskAction::Back));
+    }
 }

@@ -1,13 +1,5 @@
 // What is behind the trees; src/render/cpu/backdrop.rs is its twin.
 
-@vertex
-fn corner(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
-    // One triangle that covers the picture.
-    let x = f32((index << 1u) & 2u);
-    let y = f32(index & 2u);
-    return vec4(2.0 * x - 1.0, 1.0 - 2.0 * y, 0.0, 1.0);
-}
-
 fn behind(ray: vec3<f32>) -> vec3<f32> {
     if frame.backdrop == 1u {
         // Paper that is lit from above and curves up behind.

@@ -3,15 +3,6 @@
 // A rectangle on the ground that holds the shadow and the darker ground beneath the crown; what is
 // drawn covers the ground with black in part.
 
-struct Crown {
-    @location(1) center: vec3<f32>,
-    @location(2) scale: f32,
-    @location(3) turn: vec2<f32>,
-    @location(4) fade: f32,
-    @location(5) dither: u32,
-    @location(6) tint: vec3<f32>,
-}
-
 struct Corner {
     @builtin(position) clip: vec4<f32>,
     @location(0) @interpolate(flat) center: vec4<f32>,
@@ -22,6 +13,7 @@ struct Corner {
 const LOWEST: f32 = 0.12;
 // How far the ground beneath the crown is darker, in radii.
 const BENEATH: f32 = 1.7;
+// Most steps through the crown.
 const STEPS: u32 = 20u;
 
 @vertex
@@ -60,14 +52,39 @@ fn sun_below(point: vec3<f32>, toward: vec3<f32>) -> f32 {
         return 1.0;
     }
     var lit = 1.0;
-    for (var i = 0u; i < STEPS; i++) {
-        let distance = start + (end - start) * ((f32(i) + 0.5) / f32(STEPS));
+    let steps = clamp(2u * frame.shadow_steps, 4u, STEPS);
+    for (var i = 0u; i < steps; i++) {
+        let distance = start + (end - start) * ((f32(i) + 0.5) / f32(steps));
         let there = point + toward * distance;
         let above = sqrt(dot(there, there)) - radius_at(there, level);
         let width = 0.05 * distance + 0.02 * most;
         lit = min(lit, clamp(0.5 + above / width, 0.0, 1.0));
     }
     return lit;
+}
+
+// The share of the sun that the stem lets by: from how near the way to the sun comes to its axis.
+fn sun_beside_stem(point: vec3<f32>, toward: vec3<f32>) -> f32 {
+    let foot = crown.stem.xyz;
+    let radius = crown.stem.w;
+    if radius <= 0.0 {
+        return 1.0;
+    }
+    // The axis goes from the foot to the centre, the origin.
+    let high = dot(foot, foot);
+    let from_foot = point - foot;
+    let slant = -dot(toward, foot);
+    let up = -dot(foot, from_foot);
+    let ahead = dot(toward, from_foot);
+    let room = max(high - slant * slant, 1e-4 * high);
+    let along = (slant * up - high * ahead) / room;
+    let share = clamp((up + slant * along) / high, 0.0, 1.0);
+    let axis = foot * (1.0 - share);
+    let distance = max(dot(axis - point, toward), 0.0);
+    let apart = point + toward * distance - axis;
+    let thick = radius * (1.0 - 0.5 * share);
+    let width = 0.02 * distance + 0.3 * radius;
+    return clamp(0.5 + (sqrt(dot(apart, apart)) - thick) / width, 0.0, 1.0);
 }
 
 @fragment
@@ -84,7 +101,8 @@ fn sample(in: Corner) -> @location(0) vec4<f32> {
     let mean = crown.mean_radius;
     var lit = 1.0;
     if frame.toward_sun.y >= LOWEST {
-        lit = sun_below(point, local_from_world(in.turn, frame.toward_sun));
+        let toward = local_from_world(in.turn, frame.toward_sun);
+        lit = min(sun_below(point, toward), sun_beside_stem(point, toward));
     }
     let flat_distance = sqrt(point.x * point.x + point.z * point.z);
     let window = clamp((BENEATH - flat_distance / most) / (BENEATH - 0.8), 0.0, 1.0);

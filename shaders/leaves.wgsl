@@ -8,15 +8,6 @@
 // Layer: twig. Shade and coverage.
 @group(2) @binding(1) var atlas: texture_2d_array<f32>;
 
-struct Crown {
-    @location(1) center: vec3<f32>,
-    @location(2) scale: f32,
-    @location(3) turn: vec2<f32>,
-    @location(4) fade: f32,
-    @location(5) dither: u32,
-    @location(6) tint: vec3<f32>,
-}
-
 struct Leaf {
     @builtin(position) clip: vec4<f32>,
     // Centre and half the side, samples; level of the twig's picture.
@@ -99,7 +90,7 @@ fn corner(@builtin(vertex_index) vertex: u32, in: Crown) -> Leaf {
     let angle = hashed(salt ^ 2u) * 6.2831853;
     let surface = surface_at(direction, max(crown.surface_levels, 3u) - 3u);
     // Shade is that of the surface above the leaf: within the crown nothing would be lit.
-    let normal_local = normal_at(direction, shape_level);
+    let normal_local = normal_from(direction, reach, shape_level);
     let above = direction * reach + normal_local * (0.05 * crown.mean_radius);
     let inside = clamp(depth_share - 0.45, 0.0, 0.45) / 0.45;
     let bright = 1.1 + 0.2 * hashed(salt ^ 3u);
@@ -119,7 +110,7 @@ fn corner(@builtin(vertex_index) vertex: u32, in: Crown) -> Leaf {
     out.point = vec4(point, metres / in.scale);
     out.turn = in.turn;
     let free = clamp(
-        (radius_samples / f32(frame.fineness) - KEPT_RADIUS) / (FREE_RADIUS - KEPT_RADIUS),
+        (radius_samples * frame.pixels_a_sample - KEPT_RADIUS) / (FREE_RADIUS - KEPT_RADIUS),
         0.0,
         1.0,
     );
@@ -213,5 +204,7 @@ fn sample(leaf: Leaf) -> @location(0) vec4<f32> {
     lit.sunlit = leaf.normal.w;
     lit.height = 0.5 + 0.5 * leaf.point.y / crown.radius_range.y;
     lit.depth = 1.0;
+    lit.ray = ray_through(place);
+    lit.thin = 1.0;
     return vec4(shaded(lit), 1.0);
 }

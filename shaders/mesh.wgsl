@@ -45,6 +45,8 @@ fn sample(in: Corner) -> @location(0) vec4<f32> {
     lit.sunlit = in.light.y;
     lit.height = in.light.x;
     lit.depth = 1.0;
+    lit.ray = vec3(0.0);
+    lit.thin = 0.0;
     let light = shaded(lit);
     switch frame.view {
         case 1u, 4u: {

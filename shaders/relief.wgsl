@@ -2,17 +2,6 @@
 //
 // The proxy's far side is drawn, so that an eye within the proxy sees the crown too.
 
-struct Corner {
-    @location(0) position: vec3<f32>,
-    @location(1) center: vec3<f32>,
-    @location(2) scale: f32,
-    @location(3) turn: vec2<f32>,
-    @location(4) fade: f32,
-    @location(5) dither: u32,
-    @location(6) tint: vec3<f32>,
-    @location(7) finest_level: f32,
-}
-
 struct March {
     @builtin(position) clip: vec4<f32>,
     // The eye in the frame of the crown, in its metres.
@@ -43,15 +32,17 @@ struct Hit {
 const PROXY: f32 = 1.258409;
 
 @vertex
-fn corner(in: Corner) -> March {
+fn corner(@location(0) position: vec3<f32>, in: Crown) -> March {
     let most = crown.radius_range.y;
-    let world = in.center + in.position * (most * in.scale);
+    let world = in.center + position * (most * in.scale);
     let eye = local_from_world(in.turn, frame.eye - in.center) * (1.0 / in.scale);
     let radius_samples = radius_in_samples(eye);
     var out: March;
     out.clip = frame.clip_from_world * vec4(world, 1.0);
     out.eye = eye;
-    out.steps = clamp(radius_samples * frame.steps_a_sample, frame.least_steps, frame.most_steps);
+    let steps = clamp(radius_samples * frame.steps_a_sample, frame.least_steps, frame.most_steps);
+    // A coarse level has no detail to step over.
+    out.steps = max(steps / (1.0 + in.finest_level), frame.least_steps);
     out.turn = in.turn;
     out.scale = in.scale;
     out.surface_level = max(
@@ -133,11 +124,11 @@ fn hit_of(eye: vec3<f32>, ray: vec3<f32>, steps: f32, level: u32) -> Hit {
 }
 
 // What the eye sees of a hit: light, or what the debug view shows.
-fn seen(march: March, hit: Hit, point: vec3<f32>) -> vec3<f32> {
+fn seen(march: March, hit: Hit, point: vec3<f32>, ray: vec3<f32>) -> vec3<f32> {
     let distance = sqrt(dot(point, point));
     let direction = point * (1.0 / distance);
     let most = crown.radius_range.y;
-    let normal_local = normal_at(direction, march.radius_level);
+    let normal_local = normal_from(direction, distance, march.radius_level);
     let normal = world_from_local(march.turn, normal_local);
     switch frame.view {
         case 1u: {
@@ -164,7 +155,12 @@ fn seen(march: March, hit: Hit, point: vec3<f32>) -> vec3<f32> {
     place.open = surface.a;
     place.sunlit = sunlit_at(point + normal_local * (0.02 * most), toward_sun, shadow_level);
     place.height = 0.5 + 0.5 * point.y / most;
-    place.depth = distance / radius_at(direction, smooth_level());
+    place.depth = 1.0;
+    if frame.occlusion != 0u {
+        place.depth = distance / radius_at(direction, smooth_level());
+    }
+    place.ray = ray;
+    place.thin = 1.0;
     return shaded(place);
 }
 
@@ -183,6 +179,6 @@ fn sample(march: March) -> Seen {
     if depth > 1.0 {
         discard;
     }
-    let light = seen(march, hit, march.eye + ray * hit.distance);
+    let light = seen(march, hit, march.eye + ray * hit.distance, world);
     return Seen(vec4(light, 1.0), depth);
 }

@@ -3,13 +3,6 @@
 // Light of the samples, premultiplied by coverage.
 @group(1) @binding(0) var samples: texture_2d<f32>;
 
-@vertex
-fn corner(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
-    let x = f32((index << 1u) & 2u);
-    let y = f32(index & 2u);
-    return vec4(2.0 * x - 1.0, 1.0 - 2.0 * y, 0.0, 1.0);
-}
-
 // Narkowicz's fit of the ACES curve.
 fn filmic(light: vec3<f32>) -> vec3<f32> {
     let x = light * 0.72;
@@ -24,9 +17,7 @@ fn srgb(linear: vec3<f32>) -> vec3<f32> {
 }
 
 // The pixel's colour as sRGB values, and its alpha, straight.
-@fragment
-fn sample(@builtin(position) place: vec4<f32>) -> @location(0) vec4<f32> {
-    let pixel = vec2<u32>(place.xy);
+fn toned(pixel: vec2<u32>) -> vec4<f32> {
     var light = vec3(0.0);
     var coverage = 0.0;
     for (var y = 0u; y < frame.fineness; y++) {
@@ -44,4 +35,17 @@ fn sample(@builtin(position) place: vec4<f32>) -> @location(0) vec4<f32> {
     }
     let count = f32(frame.fineness * frame.fineness);
     return vec4(srgb(light / coverage), coverage / count);
+}
+
+// For files.
+@fragment
+fn sample(@builtin(position) place: vec4<f32>) -> @location(0) vec4<f32> {
+    return toned(vec2<u32>(place.xy));
+}
+
+// For windows, which mix sRGB values that are multiplied by alpha.
+@fragment
+fn premultiplied(@builtin(position) place: vec4<f32>) -> @location(0) vec4<f32> {
+    let straight = toned(vec2<u32>(place.xy));
+    return vec4(straight.rgb * straight.a, straight.a);
 }

@@ -12,7 +12,7 @@ use boscage::geometry::Mesh;
 use boscage::raster::{Cubemap, Image, Straight, encode_png};
 use boscage::render::{
     Gpu, GpuRenderer, LeafClip, LeafSet, Mode, Occlusion, PreparedCrown, PreparedMesh, Proxy,
-    RenderError, RenderSettings, SceneView, Shortcut, View, cpu,
+    RenderError, RenderSettings, SceneView, Shortcut, View, Viewport, cpu,
 };
 use boscage::scene::{Backdrop, Camera, Crown, CrownInstance, Light, Trunk};
 use glam::DVec3;
@@ -28,12 +28,27 @@ const TESTS: &[Test] = &[
     ("twins_agree_on_meshes", twins_agree_on_meshes),
     ("twins_agree_on_every_view", twins_agree_on_every_view),
     ("twins_agree_on_a_scene", twins_agree_on_a_scene),
+    ("twins_agree_against_the_sun", twins_agree_against_the_sun),
     ("proxies_make_one_picture", proxies_make_one_picture),
     (
         "too_large_a_picture_is_refused",
         too_large_a_picture_is_refused,
     ),
     ("a_broken_shader_is_an_error", a_broken_shader_is_an_error),
+    (
+        "a_viewport_at_rest_shows_the_final_picture",
+        a_viewport_at_rest_shows_the_final_picture,
+    ),
+    (
+        "a_viewport_shows_what_has_changed_of_a_crown",
+        a_viewport_shows_what_has_changed_of_a_crown,
+    ),
+    ("a_lost_device_is_an_error", a_lost_device_is_an_error),
+    #[cfg(debug_assertions)]
+    (
+        "changed_shaders_are_taken_and_broken_ones_are_not",
+        changed_shaders_are_taken_and_broken_ones_are_not,
+    ),
 ];
 
 fn main() -> ExitCode {
@@ -230,6 +245,17 @@ fn twins_agree_on_meshes(gpu: &Gpu) {
             ..*view
         };
         assert_twins_agree("mesh", gpu, &view, &settings);
+        // From within: triangles all around, many of them cut off by the near plane.
+        let within = Camera {
+            distance_m: 40.0,
+            target_m: camera.target_m + camera.axes().forward * 40.4,
+            ..camera
+        };
+        let view = SceneView {
+            camera: &within,
+            ..view
+        };
+        assert_twins_agree("mesh_within", gpu, &view, &settings);
     });
 }
 
@@ -249,6 +275,41 @@ fn twins_agree_on_every_view(gpu: &Gpu) {
         with_view(&front(), Backdrop::Studio, |scene| {
             assert_twins_agree(&name, gpu, scene, &thesis);
         });
+    }
+}
+
+/// Against the sun, on a stem whose shadow falls towards the eye.
+fn twins_agree_against_the_sun(gpu: &Gpu) {
+    let crown = lumpy();
+    let trunk = Trunk::under(&crown);
+    let crowns: Vec<PreparedCrown> = prepared().into_iter().map(|c| c.on_stem(&trunk)).collect();
+    let camera = Camera::framing(DVec3::new(0.4, 4.0, -0.2), 6.0, (25.0, 16.0), 1.0);
+    let light = Light {
+        sun_yaw_deg: 190.0,
+        sun_pitch_deg: 25.0,
+        ..Light::default()
+    };
+    for (name, mode) in [("relief", Mode::Relief), ("leaves", Mode::Leaves)] {
+        let view = SceneView {
+            crowns: &crowns,
+            instances: &[CrownInstance::plain(0)],
+            meshes: &[PreparedMesh::of_trunk(&trunk, &crown)],
+            leaves: &LeafSet::default(),
+            camera: &camera,
+            light: &light,
+            backdrop: Backdrop::Studio,
+        };
+        let settings = RenderSettings { mode, ..settings() };
+        assert_twins_agree(&format!("sun_{name}"), gpu, &view, &settings);
+        // The stem's shadow is there: without it some pixels are brighter.
+        let without = prepared();
+        let bare = SceneView {
+            crowns: &without,
+            ..view
+        };
+        let [with, bare] =
+            [view, bare].map(|view| renderer(gpu).picture(&view, &settings).unwrap());
+        assert!(differing(&with, &bare) > 0.000_5);
     }
 }
 
@@ -309,4 +370,198 @@ fn a_broken_shader_is_an_error(gpu: &Gpu) {
     let broken = GpuRenderer::with_shaders(gpu.clone(), Proxy::Cube, |_| "no shader".into());
     assert!(broken.is_err());
     assert!(GpuRenderer::new(gpu.clone(), Proxy::Cube).is_ok());
+}
+
+/// Draws until the final picture is there; also gives how often.
+fn rested(viewport: &mut Viewport, view: &SceneView<'_>, settings: &RenderSettings) -> usize {
+    for count in 1..100_000 {
+        if viewport.draw(view, settings).unwrap().is_final {
+            return count;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
+    panic!("the picture is never final");
+}
+
+/// Fails when the viewport does not show the picture that a renderer without a window draws.
+fn assert_shows(
+    gpu: &Gpu,
+    viewport: &Viewport,
+    view: &SceneView<'_>,
+    settings: &RenderSettings,
+) -> Image<Straight> {
+    let expected = renderer(gpu).picture(view, settings).unwrap();
+    let shown = viewport.picture().unwrap();
+    let pairs = expected.pixels().iter().zip(shown.pixels());
+    let apart = pairs
+        .filter(|(one, other)| {
+            let one = one.premultiplied().0;
+            one.iter().zip(other.0).any(|(a, b)| a.abs_diff(b) > 1)
+        })
+        .count();
+    assert_eq!(apart, 0);
+    expected
+}
+
+fn a_viewport_at_rest_shows_the_final_picture(gpu: &Gpu) {
+    let settings = RenderSettings {
+        size: (201, 157),
+        fineness: 2,
+        ..settings()
+    };
+    let mut viewport = Viewport::new(gpu.clone()).unwrap();
+    for (mode, backdrop) in [
+        (Mode::Relief, Backdrop::Clear),
+        (Mode::Leaves, Backdrop::Sky),
+    ] {
+        with_view(&front(), backdrop, |view| {
+            let settings = RenderSettings { mode, ..settings };
+            let first = viewport.draw(view, &settings).unwrap();
+            let (generation, was_final) = (first.generation, first.is_final);
+            let calls = rested(&mut viewport, view, &settings);
+            assert!(was_final || calls > 1);
+            assert_shows(gpu, &viewport, view, &settings);
+            // And stays.
+            let last = viewport.draw(view, &settings).unwrap();
+            assert!(last.is_final && last.generation >= generation);
+            assert_eq!(last.size, settings.size);
+        });
+    }
+}
+
+fn a_viewport_shows_what_has_changed_of_a_crown(gpu: &Gpu) {
+    let settings = RenderSettings {
+        size: (120, 120),
+        ..settings()
+    };
+    let mut viewport = Viewport::new(gpu.clone()).unwrap();
+    let first = prepared();
+    let mut crown = lumpy();
+    crown.radius_m = crown.radius_m.map(|radius| radius * 0.8);
+    let smaller = vec![first[0].reshaped(&crown)];
+    crown.color = crown
+        .color
+        .map(|&Straight([r, g, b, a])| Straight([b, r, g, a]));
+    let red = vec![smaller[0].recolored(&crown)];
+    let both = vec![red[0].clone(), first[0].clone()];
+    let camera = front();
+    let mut last = None;
+    for crowns in [&first, &smaller, &red, &both, &first] {
+        let view = SceneView {
+            crowns,
+            instances: &[CrownInstance::plain(0)],
+            meshes: &[],
+            leaves: &LeafSet::default(),
+            camera: &camera,
+            light: &Light::default(),
+            backdrop: Backdrop::Studio,
+        };
+        rested(&mut viewport, &view, &settings);
+        let picture = assert_shows(gpu, &viewport, &view, &settings);
+        let changed = last.replace(picture.clone()) != Some(picture);
+        assert_eq!(
+            changed,
+            !std::ptr::eq(crowns, &both),
+            "only the last adds no change"
+        );
+    }
+}
+
+/// A device of its own, and what can be done to it.
+fn own_device() -> (wgpu::Device, Gpu) {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+    let adapter = pollster::block_on(instance.request_adapter(&Default::default())).unwrap();
+    let descriptor = wgpu::DeviceDescriptor::default();
+    let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).unwrap();
+    (device.clone(), Gpu::new(device, queue, adapter.get_info()))
+}
+
+fn a_lost_device_is_an_error(_: &Gpu) {
+    let settings = RenderSettings {
+        size: (96, 96),
+        ..settings()
+    };
+    with_view(&front(), Backdrop::Sky, |view| {
+        let (device, gpu) = own_device();
+        let mut viewport = Viewport::new(gpu.clone()).unwrap();
+        viewport.draw(view, &settings).unwrap();
+        let mut renderer = renderer(&gpu);
+        renderer.picture(view, &settings).unwrap();
+        device.destroy();
+        for _ in 0..3 {
+            let error = viewport.draw(view, &settings).unwrap_err();
+            assert!(matches!(error, RenderError::DeviceLost(_)), "{error}");
+            assert!(error.is_of_device());
+        }
+        assert!(viewport.picture().is_err());
+        assert!(
+            renderer
+                .picture(view, &settings)
+                .unwrap_err()
+                .is_of_device()
+        );
+        assert!(renderer.drawing_time_ms(view, &settings).is_err());
+        assert!(GpuRenderer::new(gpu.clone(), Proxy::Cube).is_err());
+        assert!(Viewport::new(gpu).is_err());
+        // The processor draws the view that the card cannot.
+        let twin = cpu::picture(view, &settings, &Progress::silent(), &Cancel::new()).unwrap();
+        assert!(twin.pixels().iter().all(|pixel| pixel.alpha() == 255));
+    });
+}
+
+/// A copy of the built-in shaders in a folder of its own.
+#[cfg(debug_assertions)]
+fn folder_of_shaders() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let from = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders");
+    std::fs::create_dir(folder.path().join("shared")).unwrap();
+    for name in boscage::render::Pass::files() {
+        std::fs::copy(from.join(name), folder.path().join(name)).unwrap();
+    }
+    folder
+}
+
+#[cfg(debug_assertions)]
+fn changed_shaders_are_taken_and_broken_ones_are_not(gpu: &Gpu) {
+    let folder = folder_of_shaders();
+    let file = folder.path().join("tone.wgsl");
+    let text = std::fs::read_to_string(&file).unwrap();
+    // Some file systems tell whole seconds: a time of its own for each change.
+    let mut time = std::time::SystemTime::now();
+    let mut write = |text: &str| {
+        std::fs::write(&file, text).unwrap();
+        time += std::time::Duration::from_secs(2);
+        std::fs::File::options()
+            .write(true)
+            .open(&file)
+            .and_then(|file| file.set_modified(time))
+            .unwrap();
+    };
+    with_view(&front(), Backdrop::Sky, |view| {
+        let mut renderer = renderer(gpu);
+        renderer.watch(folder.path());
+        let before = renderer.picture(view, &settings()).unwrap();
+        assert_eq!(renderer.reload_if_changed(), Ok(false));
+        write("no shader");
+        let error = renderer.reload_if_changed().unwrap_err();
+        assert!(matches!(&error, RenderError::Shader(_)), "{error}");
+        assert!(!error.is_of_device());
+        assert_eq!(
+            renderer.reload_if_changed(),
+            Ok(false),
+            "it is told of once"
+        );
+        assert_eq!(renderer.picture(view, &settings()).unwrap(), before);
+        let white = "    return toned(vec2<u32>(place.xy));";
+        assert!(text.contains(white));
+        write(&text.replace(white, "    return vec4(1.0);"));
+        assert_eq!(renderer.reload_if_changed(), Ok(true));
+        let after = renderer.picture(view, &settings()).unwrap();
+        assert!(
+            after
+                .pixels()
+                .iter()
+                .all(|&pixel| pixel == Straight([255; 4]))
+        );
+    });
 }

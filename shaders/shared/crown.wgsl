@@ -8,6 +8,22 @@ struct CrownNumbers {
     surface_levels: u32,
     mean_radius: f32,
     center_height: f32,
+    // From the centre to the foot of the stem, and its radius, metres; 0: no stem.
+    stem: vec4<f32>,
+    // Side of a texel of the radii, as a share of their rectangle.
+    radius_texel: vec2<f32>,
+    padding: vec2<f32>,
+}
+
+// An instance; src/render/frame.rs has the struct, InstanceNumbers.
+struct Crown {
+    @location(1) center: vec3<f32>,
+    @location(2) scale: f32,
+    @location(3) turn: vec2<f32>,
+    @location(4) fade: f32,
+    @location(5) dither: u32,
+    @location(6) tint: vec3<f32>,
+    @location(7) finest_level: f32,
 }
 
 @group(1) @binding(0) var<uniform> crown: CrownNumbers;
@@ -15,6 +31,8 @@ struct CrownNumbers {
 @group(1) @binding(1) var radius_texture: texture_2d_array<f32>;
 // Layer: face. Linear colour (decoded on reading), and the share of the sky that is seen.
 @group(1) @binding(2) var surface_texture: texture_2d_array<f32>;
+// Takes texels as they are.
+@group(1) @binding(3) var texels: sampler;
 
 // Where four texels stand, and how much of the right and the lower ones to take.
 struct Place {
@@ -60,12 +78,11 @@ fn place_of(direction: vec3<f32>, size: u32, level: u32) -> Place {
 // The distance from the centre to the surface in a direction, bilinear.
 fn radius_at(direction: vec3<f32>, level: u32) -> f32 {
     let place = place_of(direction, crown.radius_size, level);
-    let a = textureLoad(radius_texture, place.corner, place.face, 0).x;
-    let b = textureLoad(radius_texture, place.corner + vec2(1u, 0u), place.face, 0).x;
-    let c = textureLoad(radius_texture, place.corner + vec2(0u, 1u), place.face, 0).x;
-    let d = textureLoad(radius_texture, place.corner + vec2(1u, 1u), place.face, 0).x;
-    let upper = a + (b - a) * place.share.x;
-    let lower = c + (d - c) * place.share.x;
+    // The corner that four texels share: they are read at once.
+    let middle = vec2<f32>(place.corner + vec2(1u)) * crown.radius_texel;
+    let four = textureGather(0, radius_texture, texels, middle, place.face);
+    let upper = four.w + (four.z - four.w) * place.share.x;
+    let lower = four.x + (four.y - four.x) * place.share.x;
     return upper + (lower - upper) * place.share.y;
 }
 
@@ -105,16 +122,16 @@ fn tangents_of(direction: vec3<f32>) -> Tangents {
     );
 }
 
-// The outward unit normal of the surface in the direction of a unit vector: d - grad r / r.
-fn normal_at(direction: vec3<f32>, level: u32) -> vec3<f32> {
+// The outward unit normal of the surface in the direction of a unit vector, where its radius is
+// `here`: d - grad r / r.
+fn normal_from(direction: vec3<f32>, here: f32, level: u32) -> vec3<f32> {
     let step = 2.0 / f32(crown.radius_size >> level);
     let tangents = tangents_of(direction);
     let right = tangents.right * step;
     let up = tangents.up * step;
     let across = radius_at(direction + right, level) - radius_at(direction - right, level);
     let along = radius_at(direction + up, level) - radius_at(direction - up, level);
-    let here = radius_at(direction, level) * (2.0 * step);
-    let outward = direction * here - tangents.right * across - tangents.up * along;
+    let outward = direction * (here * (2.0 * step)) - tangents.right * across - tangents.up * along;
     return outward * (1.0 / sqrt(dot(outward, outward)));
 }
 

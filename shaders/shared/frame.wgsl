@@ -33,7 +33,7 @@ struct Frame {
     leaf_clip: u32,
     fineness: u32,
     point_count: u32,
-    padding: u32,
+    pixels_a_sample: f32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

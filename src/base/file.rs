@@ -71,6 +71,11 @@ pub fn read_limited(path: &Path, limit_bytes: u64) -> Result<Vec<u8>, FileError>
     Ok(bytes)
 }
 
+/// When `path` was last changed; `None` where it is not there or the system does not tell.
+pub fn changed_at(path: &Path) -> Option<std::time::SystemTime> {
+    fs::metadata(path).and_then(|data| data.modified()).ok()
+}
+
 /// Writes `bytes` to `path`, making its folder where needed, all or nothing.
 ///
 /// The bytes go to a hidden file beside `path`, are flushed to disk, and take the name `path` in

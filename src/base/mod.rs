@@ -13,7 +13,7 @@ mod random;
 mod text;
 
 pub use cancel::{Cancel, Cancelled};
-pub use file::{FileError, read_limited, write_all_atomic, write_atomic};
+pub use file::{FileError, changed_at, read_limited, write_all_atomic, write_atomic};
 pub use hash::{Digest, Hasher, NoDigest};
 pub use panics::{Panicked, without_panics};
 pub use parallel::{Kernel, with_level_of_cpu, with_threads};

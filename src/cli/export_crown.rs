@@ -53,7 +53,8 @@ pub(super) enum LeafName {
 }
 
 impl LeafName {
-    fn shape(self) -> LeafShape {
+    /// The shape of that name.
+    pub(super) fn shape(self) -> LeafShape {
         match self {
             Self::Ovate => LeafShape::Ovate,
             Self::Round => LeafShape::Round,

@@ -1,12 +1,12 @@
 //! `boscage render`: a crown's folder → pictures of it.
 
+use super::export_crown::LeafName;
 use super::failure::Failure;
 use super::input::read_crown;
 use super::output::recipe;
 use super::session::Session;
 use super::{Job, Stages};
-use crate::base::{Digest, Seed};
-use crate::branches::sprite::LeafShape;
+use crate::base::{Cancel, Digest, Seed};
 use crate::raster::{Compression, Image, Straight, encode_png};
 use crate::render::{
     Backend, LeafClip, LeafSet, LeafSettings, Mode, Occlusion, PreparedCrown, PreparedMesh,
@@ -56,6 +56,9 @@ pub(super) struct Flags {
     /// What makes the inside darker: baked occlusion, or the terms of the thesis
     #[arg(long, value_enum, default_value_t, value_name = "NAME")]
     occlusion: OcclusionName,
+    /// The leaves of the form with leaves
+    #[arg(long, value_enum, default_value_t, value_name = "SHAPE")]
+    leaf: LeafName,
     /// Cut leaves off at the crown's surface, as the thesis does
     #[arg(long)]
     cut_leaves: bool,
@@ -294,6 +297,15 @@ impl Flags {
         }
     }
 
+    /// The crown, with its stem unless that is left out.
+    fn prepared(&self, crown: &Crown, cancel: &Cancel) -> Result<PreparedCrown, Failure> {
+        let prepared = PreparedCrown::new(crown, cancel)?;
+        Ok(match self.no_trunk {
+            true => prepared,
+            false => prepared.on_stem(&Trunk::under(crown)),
+        })
+    }
+
     /// The triangles of the picture: the stem, and the crown's surface where that is asked for.
     fn meshes(&self, crown: &Crown) -> Vec<PreparedMesh> {
         let mut meshes = Vec::new();
@@ -321,9 +333,9 @@ impl Flags {
         let stage = session.progress.stage("prepare", 1);
         let mut renderer = self.renderer(session)?;
         let things = Things {
-            crowns: [PreparedCrown::new(crown, session.cancel)?],
+            crowns: [self.prepared(crown, session.cancel)?],
             meshes: self.meshes(crown),
-            leaves: LeafSet::new(LeafShape::Ovate, Seed(session.options.seed)),
+            leaves: LeafSet::new(self.leaf.shape(), Seed(session.options.seed)),
         };
         stage.advance();
         drop(stage);

@@ -26,6 +26,9 @@ pub enum RenderError {
         /// Most samples of a side.
         most: u32,
     },
+    /// A shader could not be read or compiled; the one before is still in use.
+    #[error("a shader cannot be used: {0}")]
+    Shader(String),
     /// The work was asked to stop.
     #[error("{0}")]
     Cancelled(#[from] Cancelled),
@@ -34,6 +37,6 @@ pub enum RenderError {
 impl RenderError {
     /// Whether the processor could draw where the graphics card could not.
     pub fn is_of_device(&self) -> bool {
-        !matches!(self, Self::Cancelled(_))
+        !matches!(self, Self::Cancelled(_) | Self::Shader(_))
     }
 }

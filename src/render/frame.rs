@@ -96,8 +96,8 @@ pub struct Frame {
     pub fineness: u32,
     /// Leaves there are.
     pub point_count: u32,
-    /// To a multiple of 16 bytes.
-    pub padding: u32,
+    /// Pixels of the picture as it is shown, along a side of a sample.
+    pub pixels_a_sample: f32,
 }
 
 /// What is the same for all instances of a crown.
@@ -118,6 +118,12 @@ pub struct CrownNumbers {
     pub mean_radius: f32,
     /// Height of the centre above the tree's base, metres.
     pub center_height: f32,
+    /// From the centre to the foot of the stem, and the stem's radius, metres; 0: no stem.
+    pub stem: [f32; 4],
+    /// Side of a texel of the radii, as a share of their rectangle.
+    pub radius_texel: [f32; 2],
+    /// To a multiple of 16 bytes.
+    pub padding: [f32; 2],
 }
 
 /// One crown of the picture.
@@ -145,7 +151,9 @@ impl Frame {
     /// The numbers of a picture.
     pub fn new(view: &SceneView<'_>, settings: &RenderSettings) -> Self {
         let fine = settings.fineness;
-        let size = [settings.size.0 * fine, settings.size.1 * fine].map(|side| side as f32);
+        let (width, height) = settings.drawn_size();
+        let size = [width * fine, height * fine].map(|side| side as f32);
+        let pixels_a_sample = settings.size.1 as f32 / size[1];
         let axes = view.camera.axes();
         let (tan_x, tan_y) = view
             .camera
@@ -181,14 +189,14 @@ impl Frame {
                 Backdrop::Studio => 1,
                 Backdrop::Sky => 2,
             },
-            leaves_a_sample: settings.leaves.leaves_a_pixel / fine as f32,
+            leaves_a_sample: settings.leaves.leaves_a_pixel * pixels_a_sample,
             least_leaves: settings.leaves.least as f32,
             most_leaves: settings.leaves.most as f32,
             leaf_size: settings.leaves.size,
             leaf_clip: settings.leaves.clip as u32,
             fineness: fine,
             point_count: view.leaves.points.len() as u32,
-            padding: 0,
+            pixels_a_sample,
         }
     }
 
@@ -329,6 +337,7 @@ fn clip_from_world(camera: &Camera, (tan_x, tan_y): (f64, f64)) -> [[f32; 4]; 4]
 impl CrownNumbers {
     /// The numbers of a crown.
     pub fn new(crown: &PreparedCrown) -> Self {
+        let (width, height) = crown.radius.rectangle();
         Self {
             radius_range: crown.radius_range.into(),
             radius_size: crown.radius.size(),
@@ -337,6 +346,9 @@ impl CrownNumbers {
             surface_levels: crown.surface.levels(),
             mean_radius: crown.mean_radius,
             center_height: crown.center.y,
+            stem: crown.stem,
+            radius_texel: [width, height].map(|side| 1.0 / side as f32),
+            padding: [0.0; 2],
         }
     }
 }

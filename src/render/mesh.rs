@@ -2,12 +2,14 @@
 //! crowns.
 
 use super::color::linear;
+use crate::base::Digest;
 use crate::branches::bark::{Bark, BarkKind};
 use crate::crown::cube_sphere;
 use crate::geometry::Mesh;
 use crate::scene::{Crown, Trunk};
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
+use std::sync::Arc;
 
 /// A corner of a triangle.
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
@@ -27,10 +29,12 @@ pub struct MeshVertex {
     pub padding: f32,
 }
 
-/// Triangles, three corners each.
-#[derive(Debug, Clone, PartialEq, Default)]
+/// Triangles, three corners each. A clone shares them.
+#[derive(Debug, Clone, PartialEq)]
 pub struct PreparedMesh {
-    pub(crate) corners: Vec<MeshVertex>,
+    pub(crate) corners: Arc<[MeshVertex]>,
+    /// Of the corners: by it a renderer knows a mesh again.
+    pub(crate) digest: Digest,
 }
 
 /// Corners around a stem, and rings along it.
@@ -40,20 +44,13 @@ const ALONG: u32 = 220;
 impl PreparedMesh {
     /// `mesh` with colours (linear) at its vertices.
     pub fn new(mesh: &Mesh, color: impl Fn(usize) -> [f32; 3]) -> Self {
-        let normals = mesh.vertex_normals();
-        let corner = |&index: &u32| {
-            let i = index as usize;
-            MeshVertex {
-                position: mesh.positions[i].as_vec3().to_array(),
-                open: 1.0,
-                normal: normals[i].as_vec3().to_array(),
-                sunlit: 1.0,
-                color: color(i),
-                padding: 0.0,
-            }
-        };
+        Self::from_corners(corners(mesh, color))
+    }
+
+    fn from_corners(corners: Vec<MeshVertex>) -> Self {
         Self {
-            corners: mesh.triangles.iter().flatten().map(corner).collect(),
+            digest: Digest::of(bytemuck::cast_slice(&corners)),
+            corners: corners.into(),
         }
     }
 
@@ -115,14 +112,31 @@ impl PreparedMesh {
                 mesh.triangles.extend([[a, d, b], [b, d, c]]);
             }
         }
-        let mut prepared = Self::new(&mesh, |i| colors[i]);
-        for corner in &mut prepared.corners {
+        let mut corners = corners(&mesh, |i| colors[i]);
+        for corner in &mut corners {
             let light = below_crown(crown, DVec3::from(corner.position.map(f64::from)));
             corner.open = light;
             corner.sunlit = light;
         }
-        prepared
+        Self::from_corners(corners)
     }
+}
+
+/// The corners of the triangles of `mesh`, in full light.
+fn corners(mesh: &Mesh, color: impl Fn(usize) -> [f32; 3]) -> Vec<MeshVertex> {
+    let normals = mesh.vertex_normals();
+    let corner = |&index: &u32| {
+        let i = index as usize;
+        MeshVertex {
+            position: mesh.positions[i].as_vec3().to_array(),
+            open: 1.0,
+            normal: normals[i].as_vec3().to_array(),
+            sunlit: 1.0,
+            color: color(i),
+            padding: 0.0,
+        }
+    };
+    mesh.triangles.iter().flatten().map(corner).collect()
 }
 
 /// The place of the bark at the share `turn` around and `along` up a stem, and its linear colour.
@@ -215,7 +229,7 @@ mod tests {
     fn the_surface_of_a_crown_has_its_radius() {
         let mesh = PreparedMesh::of_crown(&ball(), 8);
         assert_eq!(mesh.corners.len(), 6 * 8 * 8 * 2 * 3);
-        for corner in &mesh.corners {
+        for corner in mesh.corners.iter() {
             let offset = DVec3::from(corner.position.map(f64::from)) - DVec3::new(0.0, 5.0, 0.0);
             assert!((offset.length() - 2.0).abs() < 1e-3);
         }

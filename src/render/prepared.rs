@@ -3,26 +3,32 @@
 use super::ambient::{AMBIENT_SIZE, ambient_occlusion};
 use super::color::{linear, srgb_byte};
 use super::packed_cube::PackedCube;
-use crate::base::{Cancel, Cancelled, Digest, Hasher};
+use crate::base::{Cancel, Cancelled, Digest};
 use crate::raster::{Cubemap, Straight};
-use crate::scene::Crown;
+use crate::scene::{Crown, Trunk};
 use glam::Vec3;
+use std::sync::Arc;
 
-/// What is known of a crown before a camera is.
+/// What is known of a crown before a camera is. A clone shares the cubemaps.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PreparedCrown {
     /// Distance from the centre to the surface, metres.
-    pub(crate) radius: PackedCube<f32>,
+    pub(crate) radius: Arc<PackedCube<f32>>,
     /// Colour in sRGB; the fourth channel is the share of the sky that the surface sees.
-    pub(crate) surface: PackedCube<[u8; 4]>,
+    pub(crate) surface: Arc<PackedCube<[u8; 4]>>,
+    /// That share by itself, so that colours can change without it.
+    ambient: Arc<Cubemap<f32>>,
     /// The centre, metres above and beside the base.
     pub(crate) center: Vec3,
     /// R_min and R_max of thesis §5.1, metres.
     pub(crate) radius_range: (f32, f32),
     /// Mean radius, metres.
     pub(crate) mean_radius: f32,
-    /// Of all the above: by it a renderer knows a crown again.
-    pub(crate) digest: Digest,
+    /// From the centre to the foot of the stem, and the stem's radius, metres; 0: no stem.
+    pub(crate) stem: [f32; 4],
+    /// Of the radii and of the colours: by them a renderer knows what it has.
+    pub(crate) radius_digest: Digest,
+    pub(crate) surface_digest: Digest,
 }
 
 /// Light and alpha of a texel of colour while its levels are made.
@@ -36,23 +42,61 @@ impl PreparedCrown {
     /// # Errors
     /// [`Cancelled`].
     pub fn new(crown: &Crown, cancel: &Cancel) -> Result<Self, Cancelled> {
-        let (least, most) = crown.radius_range_m();
         let radius = PackedCube::new(crown.radius_m.clone(), mean, |x| x);
         let ambient = ambient_occlusion(&radius, AMBIENT_SIZE, cancel)?;
         let surface = PackedCube::new(with_ambient(&crown.color, &ambient), mean_texel, packed);
-        let digest = Hasher::new("boscage prepared crown")
-            .with(bytemuck::cast_slice(radius.texels()))
-            .with(bytemuck::cast_slice(surface.texels()))
-            .with(bytemuck::bytes_of(&crown.center_m))
-            .finish();
         Ok(Self {
-            radius,
-            surface,
+            radius_digest: Digest::of(bytemuck::cast_slice(radius.texels())),
+            surface_digest: Digest::of(bytemuck::cast_slice(surface.texels())),
+            radius: Arc::new(radius),
+            surface: Arc::new(surface),
+            ambient: Arc::new(ambient),
             center: crown.center_m.as_vec3(),
-            radius_range: (least, most),
+            radius_range: crown.radius_range_m(),
             mean_radius: mean_radius(crown),
-            digest,
+            stem: [0.0; 4],
         })
+    }
+
+    /// This crown on a stem, which throws a shadow too. The stem itself is a mesh of the scene,
+    /// [`super::PreparedMesh::of_trunk`].
+    #[must_use]
+    pub fn on_stem(self, trunk: &Trunk) -> Self {
+        let foot = trunk.base_m.as_vec3() - self.center;
+        Self {
+            stem: foot.extend(trunk.base_radius_m as f32).to_array(),
+            ..self
+        }
+    }
+
+    /// This crown with the radii and the centre of `crown`; its colours and its occlusion stay.
+    ///
+    /// For a shape that is being dragged: a tenth of the time of [`PreparedCrown::new`], and only
+    /// the radii go to the card again. The occlusion is that of the shape before; prepare the crown
+    /// anew once the drag is over. A stem stays where it is, below a centre that may move.
+    #[must_use]
+    pub fn reshaped(&self, crown: &Crown) -> Self {
+        let radius = PackedCube::new(crown.radius_m.clone(), mean, |x| x);
+        Self {
+            radius_digest: Digest::of(bytemuck::cast_slice(radius.texels())),
+            radius: Arc::new(radius),
+            center: crown.center_m.as_vec3(),
+            radius_range: crown.radius_range_m(),
+            mean_radius: mean_radius(crown),
+            ..self.clone()
+        }
+    }
+
+    /// This crown with the colours of `crown`; its shape stays, and with it the occlusion.
+    #[must_use]
+    pub fn recolored(&self, crown: &Crown) -> Self {
+        let texels = with_ambient(&crown.color, &self.ambient);
+        let surface = PackedCube::new(texels, mean_texel, packed);
+        Self {
+            surface_digest: Digest::of(bytemuck::cast_slice(surface.texels())),
+            surface: Arc::new(surface),
+            ..self.clone()
+        }
     }
 
     /// R_min and R_max, metres.
@@ -122,5 +166,23 @@ mod tests {
         let ([texel, ..], _, _) = prepared.surface.around(Vec3::Z, 1);
         assert_eq!(texel[0], 188, "half the light is sRGB 188");
         assert_eq!(prepared.radius_range_m(), (2.0, 2.0));
+    }
+
+    #[test]
+    fn a_change_of_one_part_keeps_the_other() {
+        let crown = |radius: f32, red: u8| Crown {
+            center_m: glam::DVec3::new(0.0, 5.0, 0.0),
+            radius_m: Cubemap::from_directions(16, |d| radius + 0.2 * d.normalize().x as f32),
+            color: Cubemap::filled(16, Straight([red, 90, 40, 255])),
+            height: Cubemap::filled(16, 0.5),
+            base_mesh: Mesh::default(),
+        };
+        let prepared = |crown: &Crown| PreparedCrown::new(crown, &Cancel::new()).unwrap();
+        let one = prepared(&crown(2.0, 50));
+        assert_eq!(one.recolored(&crown(2.0, 70)), prepared(&crown(2.0, 70)));
+        let larger = one.reshaped(&crown(3.0, 50));
+        assert_eq!(larger.surface_digest, one.surface_digest);
+        assert_eq!(larger.radius, prepared(&crown(3.0, 50)).radius);
+        assert_ne!(larger.radius_digest, one.radius_digest);
     }
 }

@@ -185,6 +185,9 @@ pub struct RenderSettings {
     pub size: (u32, u32),
     /// Samples along each side of a pixel, 1 … 4.
     pub fineness: u32,
+    /// Share of the picture's sides that is drawn, 0 … 1, for a picture that is stretched when it
+    /// is shown: it has the same leaves as one of full size. See [`RenderSettings::drawn_size`].
+    pub scale: f32,
     /// The form of the crowns.
     pub mode: Mode,
     /// Where [`Mode::Switched`] changes the form.
@@ -204,6 +207,7 @@ impl Default for RenderSettings {
         Self {
             size: (800, 800),
             fineness: 2,
+            scale: 1.0,
             mode: Mode::default(),
             switch: SwitchSettings::default(),
             view: View::default(),
@@ -214,9 +218,27 @@ impl Default for RenderSettings {
     }
 }
 
+impl RenderSettings {
+    /// Width and height of what is drawn, pixels.
+    pub fn drawn_size(&self) -> (u32, u32) {
+        let scaled = |side: u32| ((side as f32 * self.scale).round() as u32).max(1);
+        (scaled(self.size.0), scaled(self.size.1))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_scale_shrinks_what_is_drawn_but_to_a_pixel() {
+        let settings = RenderSettings {
+            size: (801, 1),
+            scale: 0.375,
+            ..RenderSettings::default()
+        };
+        assert_eq!(settings.drawn_size(), (300, 1));
+    }
 
     #[test]
     fn the_share_of_leaves_falls_over_the_band() {

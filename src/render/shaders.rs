@@ -3,6 +3,7 @@
 
 use crate::base::{FileError, read_limited};
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// A pass of the renderer for graphics cards.
@@ -45,7 +46,9 @@ impl Pass {
     /// The files that make up the pass, in order, and what stands in them.
     fn parts(self) -> &'static [(&'static str, &'static str)] {
         match self {
-            Self::Backdrop => built_in!("shared/frame.wgsl", "backdrop.wgsl"),
+            Self::Backdrop => {
+                built_in!("shared/frame.wgsl", "shared/screen.wgsl", "backdrop.wgsl")
+            }
             Self::Ground => {
                 built_in!("shared/frame.wgsl", "shared/crown.wgsl", "ground.wgsl")
             }
@@ -62,8 +65,14 @@ impl Pass {
                 "shared/shade.wgsl",
                 "relief.wgsl"
             ),
-            Self::Tone => built_in!("shared/frame.wgsl", "tone.wgsl"),
+            Self::Tone => built_in!("shared/frame.wgsl", "shared/screen.wgsl", "tone.wgsl"),
         }
+    }
+
+    /// The files of all passes, below the folder of shaders.
+    pub fn files() -> BTreeSet<&'static str> {
+        let parts = Self::ALL.iter().flat_map(|pass| pass.parts());
+        parts.map(|(name, _)| *name).collect()
     }
 
     /// The name of the pass, for messages.

@@ -24,14 +24,24 @@ pub(crate) fn tangents(direction: Vec3) -> (Vec3, Vec3) {
 /// over one texel each way, which hides that a bilinear radius has creases.
 #[inline(always)]
 pub(crate) fn normal(radius: &PackedCube<f32>, direction: Vec3, level: u32) -> Vec3 {
+    normal_from(radius, direction, radius.sampled(direction, level), level)
+}
+
+/// The same where the radius in `direction` is known to be `here`.
+#[inline(always)]
+pub(crate) fn normal_from(
+    radius: &PackedCube<f32>,
+    direction: Vec3,
+    here: f32,
+    level: u32,
+) -> Vec3 {
     let step = 2.0 / (radius.size() >> level) as f32;
     let (right, up) = tangents(direction);
     let across = radius.sampled(direction + right * step, level)
         - radius.sampled(direction - right * step, level);
     let along =
         radius.sampled(direction + up * step, level) - radius.sampled(direction - up * step, level);
-    let here = radius.sampled(direction, level) * (2.0 * step);
-    let outward = direction * here - right * across - up * along;
+    let outward = direction * (here * (2.0 * step)) - right * across - up * along;
     outward * (1.0 / outward.dot(outward).sqrt())
 }
 

@@ -8,6 +8,7 @@ use glam::Vec3;
 const LOWEST: f32 = 0.12;
 /// How far the ground beneath the crown is darker, in radii.
 const BENEATH: f32 = 1.7;
+/// Most steps through the crown.
 const STEPS: u32 = 20;
 
 /// Darkens the ground of a band.
@@ -54,7 +55,8 @@ fn left(frame: &Frame, drawn: &Drawn<'_>, world: Vec3) -> f32 {
     let point = drawn.instance.local(world) * (1.0 / drawn.instance.scale);
     let (most, mean) = (numbers.radius_range[1], numbers.mean_radius);
     let lit = if frame.toward_sun[1] >= LOWEST {
-        sun_below(frame, drawn, point)
+        let toward = drawn.instance.local(Vec3::from(frame.toward_sun));
+        sun_below(frame, drawn, point, toward).min(sun_beside_stem(drawn, point, toward))
     } else {
         1.0
     };
@@ -68,8 +70,7 @@ fn left(frame: &Frame, drawn: &Drawn<'_>, world: Vec3) -> f32 {
 }
 
 /// The share of the sun that reaches a point of the crown's frame below the crown.
-fn sun_below(frame: &Frame, drawn: &Drawn<'_>, point: Vec3) -> f32 {
-    let toward = drawn.instance.local(Vec3::from(frame.toward_sun));
+fn sun_below(frame: &Frame, drawn: &Drawn<'_>, point: Vec3, toward: Vec3) -> f32 {
     let most = drawn.numbers.radius_range[1];
     let level = (drawn.numbers.radius_levels - 1).min(1);
     let along = point.dot(toward);
@@ -82,12 +83,37 @@ fn sun_below(frame: &Frame, drawn: &Drawn<'_>, point: Vec3) -> f32 {
         return 1.0;
     }
     let mut lit = 1.0f32;
-    for i in 0..STEPS {
-        let distance = start + (end - start) * ((i as f32 + 0.5) / STEPS as f32);
+    let steps = (2 * frame.shadow_steps).clamp(4, STEPS);
+    for i in 0..steps {
+        let distance = start + (end - start) * ((i as f32 + 0.5) / steps as f32);
         let there = point + toward * distance;
         let above = there.dot(there).sqrt() - drawn.crown.radius.sampled(there, level);
         let width = 0.05 * distance + 0.02 * most;
         lit = lit.min((0.5 + above / width).clamp(0.0, 1.0));
     }
     lit
+}
+
+/// The share of the sun that the stem lets by: from how near the way to the sun comes to its axis.
+fn sun_beside_stem(drawn: &Drawn<'_>, point: Vec3, toward: Vec3) -> f32 {
+    let [x, y, z, radius] = drawn.numbers.stem;
+    if radius <= 0.0 {
+        return 1.0;
+    }
+    // The axis goes from the foot to the centre, the origin.
+    let foot = Vec3::new(x, y, z);
+    let high = foot.dot(foot);
+    let from_foot = point - foot;
+    let slant = -toward.dot(foot);
+    let up = -foot.dot(from_foot);
+    let ahead = toward.dot(from_foot);
+    let room = (high - slant * slant).max(1e-4 * high);
+    let along = (slant * up - high * ahead) / room;
+    let share = ((up + slant * along) / high).clamp(0.0, 1.0);
+    let axis = foot * (1.0 - share);
+    let distance = (axis - point).dot(toward).max(0.0);
+    let apart = point + toward * distance - axis;
+    let thick = radius * (1.0 - 0.5 * share);
+    let width = 0.02 * distance + 0.3 * radius;
+    (0.5 + (apart.dot(apart).sqrt() - thick) / width).clamp(0.0, 1.0)
 }

@@ -10,7 +10,7 @@ use super::shade::{Place, shaded};
 use super::{Band, Drawn};
 use crate::render::frame::{Frame, InstanceNumbers, leaf_freedom};
 use crate::render::leaf_atlas::{LEVELS, LeafAtlas, VARIANTS};
-use crate::render::surface::normal;
+use crate::render::surface::normal_from;
 use glam::Vec3;
 
 /// Share of the leaves that are growing.
@@ -112,7 +112,7 @@ fn leaf(
     let color_level = numbers.surface_levels.max(3) - 3;
     let (albedo, open) = surface_at(&drawn.crown.surface, direction, color_level);
     // Shade is that of the surface above the leaf: within the crown nothing would be lit.
-    let normal_local = normal(radius, direction, shape_level);
+    let normal_local = normal_from(radius, direction, reach, shape_level);
     let above = direction * reach + normal_local * (0.05 * numbers.mean_radius);
     let inside = (depth_share - 0.45).clamp(0.0, 0.45) / 0.45;
     let bright = 1.1 + 0.2 * hashed(salt ^ 3);
@@ -135,7 +135,7 @@ fn leaf(
         bound: if frame.leaf_clip == 1 {
             1.0
         } else {
-            1.0 + FREEST * leaf_freedom(crown_samples / frame.fineness as f32)
+            1.0 + FREEST * leaf_freedom(crown_samples * frame.pixels_a_sample)
         },
     })
 }
@@ -225,6 +225,8 @@ fn sample(
             sunlit: leaf.sunlit,
             height: 0.5 + 0.5 * leaf.point.y / drawn.numbers.radius_range[1],
             depth: 1.0,
+            ray: frame.ray(x as f32 + 0.5, y as f32 + 0.5),
+            thin: 1.0,
         },
     ))
 }

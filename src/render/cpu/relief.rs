@@ -9,7 +9,7 @@ use super::dither::pattern;
 use super::shade::{Place, shaded};
 use super::{Band, Drawn};
 use crate::render::frame::{Frame, InstanceNumbers};
-use crate::render::surface::normal;
+use crate::render::surface::normal_from;
 use glam::Vec3;
 
 /// Distance of the corners of the icosahedron around the unit ball: without shortcuts rays are
@@ -59,7 +59,7 @@ pub(super) fn draw(frame: &Frame, drawn: &Drawn<'_>, band: &mut Band<'_>) {
             if depth > 1.0 || !band.shows(x, y, depth) {
                 continue;
             }
-            let light = march.seen(frame, drawn, &hit);
+            let light = march.seen(frame, drawn, &hit, world);
             band.put(x, y, depth, [light.x, light.y, light.z, 1.0]);
         }
     }
@@ -114,7 +114,8 @@ impl March {
         };
         Self {
             eye,
-            steps,
+            // A coarse level has no detail to step over.
+            steps: (steps / (1.0 + finest)).max(frame.least_steps),
             radius_level: level(drawn.numbers.radius_size, drawn.numbers.radius_levels) as u32,
             surface_level: level(drawn.numbers.surface_size, drawn.numbers.surface_levels),
         }
@@ -194,11 +195,11 @@ impl March {
     }
 
     /// What the eye sees of a hit: light, or what the debug view shows.
-    fn seen(&self, frame: &Frame, drawn: &Drawn<'_>, hit: &Hit) -> Vec3 {
+    fn seen(&self, frame: &Frame, drawn: &Drawn<'_>, hit: &Hit, ray: Vec3) -> Vec3 {
         let radius = &drawn.crown.radius;
         let distance = hit.point.dot(hit.point).sqrt();
         let direction = hit.point * (1.0 / distance);
-        let normal_local = normal(radius, direction, self.radius_level);
+        let normal_local = normal_from(radius, direction, distance, self.radius_level);
         let normal_world = drawn.instance.world(normal_local);
         match frame.view {
             1 => return Vec3::splat(hit.reads as f32 / (frame.most_steps + frame.halvings as f32)),
@@ -211,7 +212,6 @@ impl March {
             _ => {}
         }
         let (albedo, open) = surface_between(&drawn.crown.surface, direction, self.surface_level);
-        let smooth = radius.sampled(direction, smooth_level(&drawn.numbers));
         let most = drawn.numbers.radius_range[1];
         let from = hit.point + normal_local * (0.02 * most);
         let shadow_level = (self.radius_level + 1).min(drawn.numbers.radius_levels - 1);
@@ -223,7 +223,13 @@ impl March {
                 open,
                 sunlit: sunlit_at(frame, drawn, from, shadow_level),
                 height: 0.5 + 0.5 * hit.point.y / most,
-                depth: distance / smooth,
+                depth: if frame.occlusion == 0 {
+                    1.0
+                } else {
+                    distance / radius.sampled(direction, smooth_level(&drawn.numbers))
+                },
+                ray,
+                thin: 1.0,
             },
         )
     }

@@ -73,6 +73,26 @@ impl Gpu {
         self.device.limits().max_texture_dimension_2d
     }
 
+    /// A buffer with `contents`, which must not be empty.
+    ///
+    /// Written through the queue: buffers that are mapped when they are made panic in wgpu's own
+    /// helper on a card that is lost or full.
+    pub(super) fn buffer(
+        &self,
+        label: &str,
+        contents: &[u8],
+        usage: wgpu::BufferUsages,
+    ) -> wgpu::Buffer {
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size: contents.len() as u64,
+            usage: usage | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        self.queue.write_buffer(&buffer, 0, contents);
+        buffer
+    }
+
     /// Does `work`, and gives what went wrong with the card meanwhile as an error.
     pub(super) fn guarded<T>(
         &self,
@@ -92,9 +112,18 @@ impl Gpu {
         }
     }
 
-    fn trouble(&self) -> Option<RenderError> {
+    pub(super) fn trouble(&self) -> Option<RenderError> {
         let trouble = self.trouble.lock();
         trouble.unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Looks whether the card has news, without waiting for any.
+    pub(super) fn poll(&self) -> Result<(), RenderError> {
+        let lost = |error: wgpu::PollError| RenderError::DeviceLost(error.to_string());
+        self.device
+            .poll(wgpu::PollType::Poll)
+            .map(drop)
+            .map_err(lost)
     }
 
     /// Waits until all that was submitted is done.

@@ -2,25 +2,88 @@
 
 use super::context::Gpu;
 use super::layouts::Layouts;
+use crate::base::Digest;
 use crate::render::{CrownNumbers, PackedCube, PreparedCrown};
 use bytemuck::Pod;
-use wgpu::util::{BufferInitDescriptor, DeviceExt as _, TextureDataOrder};
-use wgpu::{TextureFormat, TextureUsages};
+use wgpu::{BufferUsages, TextureFormat, TextureUsages};
 
-/// The bind group of a crown: its numbers, radii and colours.
-pub(super) fn crown_group(gpu: &Gpu, layouts: &Layouts, crown: &PreparedCrown) -> wgpu::BindGroup {
-    let numbers = gpu.device.create_buffer_init(&BufferInitDescriptor {
-        label: Some("crown"),
-        contents: bytemuck::bytes_of(&CrownNumbers::new(crown)),
-        usage: wgpu::BufferUsages::UNIFORM,
+/// The numbers, radii and colours of a crown.
+#[derive(Debug)]
+pub(super) struct CardCrown {
+    numbers: (CrownNumbers, wgpu::Buffer),
+    radius: Layers,
+    surface: Layers,
+    pub(super) group: wgpu::BindGroup,
+}
+
+/// The layers of a packed cubemap, and the digest of what they hold.
+#[derive(Debug)]
+struct Layers {
+    texture: wgpu::Texture,
+    digest: Digest,
+}
+
+impl CardCrown {
+    /// Brings `crown` to the card.
+    pub(super) fn new(gpu: &Gpu, layouts: &Layouts, crown: &PreparedCrown) -> Self {
+        let numbers = CrownNumbers::new(crown);
+        let buffer = gpu.buffer("crown", bytemuck::bytes_of(&numbers), BufferUsages::UNIFORM);
+        let radius = Layers::new(
+            gpu,
+            ("radius", TextureFormat::R32Float),
+            (&crown.radius, crown.radius_digest),
+        );
+        let surface = Layers::new(
+            gpu,
+            ("surface", TextureFormat::Rgba8UnormSrgb),
+            (&crown.surface, crown.surface_digest),
+        );
+        Self {
+            group: group(gpu, layouts, &buffer, [&radius, &surface]),
+            numbers: (numbers, buffer),
+            radius,
+            surface,
+        }
+    }
+
+    /// Whether this is `crown`.
+    pub(super) fn is(&self, crown: &PreparedCrown) -> bool {
+        self.radius.digest == crown.radius_digest
+            && self.surface.digest == crown.surface_digest
+            && self.numbers.0 == CrownNumbers::new(crown)
+    }
+
+    /// Whether this becomes `crown` without new textures.
+    pub(super) fn can_become(&self, crown: &PreparedCrown) -> bool {
+        self.radius.fits(&crown.radius) && self.surface.fits(&crown.surface)
+    }
+
+    /// Writes what is different in `crown`, whose cubemaps have the same sizes, over what there is.
+    pub(super) fn become_crown(&mut self, gpu: &Gpu, crown: &PreparedCrown) {
+        let numbers = CrownNumbers::new(crown);
+        if self.numbers.0 != numbers {
+            let bytes = bytemuck::bytes_of(&numbers);
+            gpu.queue.write_buffer(&self.numbers.1, 0, bytes);
+            self.numbers.0 = numbers;
+        }
+        self.radius.update(gpu, &crown.radius, crown.radius_digest);
+        self.surface
+            .update(gpu, &crown.surface, crown.surface_digest);
+    }
+}
+
+fn group(
+    gpu: &Gpu,
+    layouts: &Layouts,
+    numbers: &wgpu::Buffer,
+    layers: [&Layers; 2],
+) -> wgpu::BindGroup {
+    let [radius, surface] = layers.map(Layers::view);
+    // The default: nearest, no further than the edge.
+    let texels = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+        label: Some("texels"),
+        ..Default::default()
     });
-    let radius = layers(gpu, "radius", &crown.radius, TextureFormat::R32Float);
-    let surface = layers(
-        gpu,
-        "surface",
-        &crown.surface,
-        TextureFormat::Rgba8UnormSrgb,
-    );
     gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
         label: Some("crown"),
         layout: &layouts.crown,
@@ -37,39 +100,74 @@ pub(super) fn crown_group(gpu: &Gpu, layouts: &Layouts, crown: &PreparedCrown) -
                 binding: 2,
                 resource: wgpu::BindingResource::TextureView(&surface),
             },
+            wgpu::BindGroupEntry {
+                binding: 3,
+                resource: wgpu::BindingResource::Sampler(&texels),
+            },
         ],
     })
 }
 
-/// A packed cubemap as six layers of a texture.
-fn layers<T: Pod>(
-    gpu: &Gpu,
-    label: &str,
-    cube: &PackedCube<T>,
-    format: TextureFormat,
-) -> wgpu::TextureView {
-    let (width, height) = cube.rectangle();
-    let texture = gpu.device.create_texture_with_data(
-        &gpu.queue,
-        &wgpu::TextureDescriptor {
+impl Layers {
+    fn new<T: Pod>(
+        gpu: &Gpu,
+        (label, format): (&str, TextureFormat),
+        (cube, digest): (&PackedCube<T>, Digest),
+    ) -> Self {
+        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
             label: Some(label),
-            size: wgpu::Extent3d {
-                width,
-                height,
-                depth_or_array_layers: 6,
-            },
+            size: extent(cube),
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
             format,
-            usage: TextureUsages::TEXTURE_BINDING,
+            usage: TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST,
             view_formats: &[],
-        },
-        TextureDataOrder::LayerMajor,
-        bytemuck::cast_slice(cube.texels()),
-    );
-    texture.create_view(&wgpu::TextureViewDescriptor {
-        dimension: Some(wgpu::TextureViewDimension::D2Array),
-        ..Default::default()
-    })
+        });
+        let layers = Self { texture, digest };
+        layers.write(gpu, cube);
+        layers
+    }
+
+    fn fits<T: Copy>(&self, cube: &PackedCube<T>) -> bool {
+        self.texture.size() == extent(cube)
+    }
+
+    fn update<T: Pod>(&mut self, gpu: &Gpu, cube: &PackedCube<T>, digest: Digest) {
+        if self.digest != digest {
+            self.write(gpu, cube);
+            self.digest = digest;
+        }
+    }
+
+    fn write<T: Pod>(&self, gpu: &Gpu, cube: &PackedCube<T>) {
+        let (width, height) = cube.rectangle();
+        gpu.queue.write_texture(
+            self.texture.as_image_copy(),
+            bytemuck::cast_slice(cube.texels()),
+            wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(width * size_of::<T>() as u32),
+                rows_per_image: Some(height),
+            },
+            extent(cube),
+        );
+    }
+
+    fn view(&self) -> wgpu::TextureView {
+        self.texture.create_view(&wgpu::TextureViewDescriptor {
+            dimension: Some(wgpu::TextureViewDimension::D2Array),
+            ..Default::default()
+        })
+    }
+}
+
+/// One layer a face.
+fn extent<T: Copy>(cube: &PackedCube<T>) -> wgpu::Extent3d {
+    let (width, height) = cube.rectangle();
+    wgpu::Extent3d {
+        width,
+        height,
+        depth_or_array_layers: 6,
+    }
 }

@@ -1,8 +1,8 @@
 //! What the shaders are given: the layouts of their bind groups.
 
 use wgpu::{
-    BindGroupLayout, BindGroupLayoutEntry, BindingType, BufferBindingType, Device, ShaderStages,
-    TextureSampleType, TextureViewDimension,
+    BindGroupLayout, BindGroupLayoutEntry, BindingType, BufferBindingType, Device,
+    SamplerBindingType, ShaderStages, TextureSampleType, TextureViewDimension,
 };
 
 /// The layouts of all bind groups.
@@ -34,6 +34,7 @@ impl Layouts {
                     numbers(0),
                     texels(1, TextureViewDimension::D2Array),
                     texels(2, TextureViewDimension::D2Array),
+                    entry(3, BindingType::Sampler(SamplerBindingType::NonFiltering)),
                 ],
             ),
             leaves: layout(

@@ -6,31 +6,38 @@
 
 mod context;
 mod crown;
+mod kept;
 mod layouts;
 mod leaves;
+mod lists;
 mod pipelines;
 mod target;
 mod timer;
+mod viewport;
+#[cfg(debug_assertions)]
+mod watch;
 
-use super::frame::{Frame, InstanceNumbers, Resolved, SceneView, leaf_bound};
+use super::RenderError;
+use super::frame::SceneView;
 use super::proxy::Proxy;
 use super::settings::RenderSettings;
 use super::shaders::Pass;
-use super::{LeafSet, PreparedCrown, RenderError};
-use crate::base::Digest;
 use crate::raster::{Image, Straight};
-use crown::crown_group;
+use kept::Kept;
 use layouts::Layouts;
-use leaves::leaf_group;
+use lists::{Instances, Lists};
 use pipelines::Pipelines;
 use std::borrow::Cow;
+#[cfg(debug_assertions)]
 use std::collections::BTreeMap;
 use std::ops::Range;
+#[cfg(debug_assertions)]
+use std::path::Path;
 use target::Target;
 use timer::Timer;
-use wgpu::util::{BufferInitDescriptor, DeviceExt as _};
 
 pub use context::Gpu;
+pub use viewport::{Shown, Viewport};
 
 /// Draws scenes on a graphics card.
 #[derive(Debug)]
@@ -39,11 +46,15 @@ pub struct GpuRenderer {
     layouts: Layouts,
     pipelines: Pipelines,
     proxy: ProxyBuffers,
-    /// Crowns on the card, by their content.
-    crowns: Vec<(Digest, wgpu::BindGroup)>,
-    leaves: Option<(Digest, wgpu::BindGroup)>,
+    kept: Kept,
     target: Option<Target>,
+    #[cfg(debug_assertions)]
+    watch: watch::Watch,
 }
+
+/// The folder that the shaders were built from.
+#[cfg(debug_assertions)]
+const SHADERS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/shaders");
 
 /// A proxy's corners and triangles.
 #[derive(Debug)]
@@ -53,20 +64,24 @@ struct ProxyBuffers {
     index_count: u32,
 }
 
-/// The crowns of a picture, those of one kind after another.
-struct Instances {
-    buffer: wgpu::Buffer,
-    /// For each crown of the scene: first and one after the last instance.
-    ranges: Vec<Range<u32>>,
+/// What of a picture is drawn at once.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Part {
+    /// Rows of samples.
+    rows: Range<u32>,
+    /// Whether nothing was drawn before.
+    is_first: bool,
+    /// What becomes of the samples, where this is the last part.
+    ending: Option<Ending>,
 }
 
-/// All that is drawn in a picture.
-struct Lists {
-    shadows: Instances,
-    relief: Instances,
-    /// Crowns with about as many leaves, and how many at most.
-    leaves: Vec<(u32, Instances)>,
-    meshes: Vec<(wgpu::Buffer, u32)>,
+/// What a picture is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Ending {
+    /// A file: straight alpha.
+    File,
+    /// A window: colours times alpha, as sRGB values.
+    Window,
 }
 
 impl GpuRenderer {
@@ -97,10 +112,60 @@ impl GpuRenderer {
             layouts,
             pipelines,
             proxy,
-            crowns: Vec::new(),
-            leaves: None,
+            kept: Kept::default(),
             target: None,
+            #[cfg(debug_assertions)]
+            watch: watch::Watch::new(Path::new(SHADERS)),
         })
+    }
+
+    /// Compiles the shaders anew if one of their files has changed since the last call; whether it
+    /// did. Looks at the folder that the program was built from, unless told of another.
+    ///
+    /// In debug builds only: it does nothing in others.
+    ///
+    /// # Errors
+    /// [`RenderError::Shader`] when a shader cannot be read or compiled; the renderer goes on with
+    /// those it has. [`RenderError::DeviceLost`], [`RenderError::OutOfMemory`].
+    #[cfg(debug_assertions)]
+    pub fn reload_if_changed(&mut self) -> Result<bool, RenderError> {
+        if !self.watch.has_changed() {
+            return Ok(false);
+        }
+        let mut texts = BTreeMap::new();
+        for pass in Pass::ALL {
+            let text = pass.from_folder(self.watch.folder());
+            texts.insert(
+                pass.name(),
+                text.map_err(|error| RenderError::Shader(error.to_string()))?,
+            );
+        }
+        let text = |pass: Pass| texts[pass.name()].clone();
+        let made = self
+            .gpu
+            .guarded(|| Ok(Pipelines::new(&self.gpu.device, &self.layouts, text)));
+        self.pipelines = made.map_err(|error| match error {
+            RenderError::DeviceLost(text) if self.gpu.trouble().is_none() => {
+                RenderError::Shader(text)
+            }
+            other => other,
+        })?;
+        Ok(true)
+    }
+
+    /// Does nothing: shaders are read anew in debug builds only.
+    ///
+    /// # Errors
+    /// None.
+    #[cfg(not(debug_assertions))]
+    pub fn reload_if_changed(&mut self) -> Result<bool, RenderError> {
+        Ok(false)
+    }
+
+    /// Looks for changed shaders in another folder from now on.
+    #[cfg(debug_assertions)]
+    pub fn watch(&mut self, folder: &Path) {
+        self.watch = watch::Watch::new(folder);
     }
 
     /// The card.
@@ -118,9 +183,9 @@ impl GpuRenderer {
         settings: &RenderSettings,
     ) -> Result<Image<Straight>, RenderError> {
         let gpu = self.gpu.clone();
-        gpu.guarded(|| {
-            self.draw(view, settings, None)?;
-            let target = self.target.as_ref();
+        self.guarded(|renderer| {
+            renderer.draw(view, settings, None)?;
+            let target = renderer.target.as_ref();
             target
                 .ok_or_else(|| RenderError::DeviceLost("nothing was drawn".to_owned()))?
                 .read(&gpu)
@@ -138,11 +203,26 @@ impl GpuRenderer {
         settings: &RenderSettings,
     ) -> Result<f64, RenderError> {
         let gpu = self.gpu.clone();
-        gpu.guarded(|| {
+        self.guarded(|renderer| {
             let timer = Timer::new(&gpu);
-            self.draw(view, settings, Some(&timer))?;
+            renderer.draw(view, settings, Some(&timer))?;
             timer.read_ms(&gpu)
         })
+    }
+
+    /// Does `work`, and gives what went wrong with the card meanwhile as an error; nothing that was
+    /// brought to the card is relied on after one.
+    fn guarded<T>(
+        &mut self,
+        work: impl FnOnce(&mut Self) -> Result<T, RenderError>,
+    ) -> Result<T, RenderError> {
+        let gpu = self.gpu.clone();
+        let done = gpu.guarded(|| work(self));
+        if done.is_err() {
+            self.kept = Kept::default();
+            self.target = None;
+        }
+        done
     }
 
     /// Draws a scene into the renderer's own target.
@@ -152,84 +232,60 @@ impl GpuRenderer {
         settings: &RenderSettings,
         timer: Option<&Timer>,
     ) -> Result<(), RenderError> {
-        let frame = Frame::new(view, settings);
-        self.keep_crowns(view.crowns);
-        self.keep_leaves(view.leaves);
-        let fits = |target: &Target| target.fits(settings.size, settings.fineness);
-        if !self.target.as_ref().is_some_and(fits) {
-            self.target = None;
-            let made = Target::new(&self.gpu, &self.layouts, settings.size, settings.fineness)?;
-            self.target = Some(made);
-        }
-        let Some(target) = &self.target else {
-            return Ok(());
+        let lists = self.lists(view, settings);
+        let old = self.target.take();
+        let target = self.fitting(old, settings)?;
+        let whole = Part {
+            rows: 0..target.rows(),
+            is_first: true,
+            ending: Some(Ending::File),
         };
-        let frame_group = self.frame_group(&frame);
-        let lists = Lists::new(&self.gpu, view, settings);
+        self.draw_part(&target, &lists, &whole, timer);
+        self.target = Some(target);
+        Ok(())
+    }
+
+    /// Brings a scene to the card.
+    fn lists(&mut self, view: &SceneView<'_>, settings: &RenderSettings) -> Lists {
+        self.kept.keep(&self.gpu, &self.layouts, view);
+        Lists::new(&self.gpu, &self.layouts.frame, view, settings)
+    }
+
+    /// `old` if it serves, else a new target.
+    fn fitting(
+        &self,
+        old: Option<Target>,
+        settings: &RenderSettings,
+    ) -> Result<Target, RenderError> {
+        match old.filter(|target| target.fits(settings)) {
+            Some(target) => Ok(target),
+            None => Target::new(&self.gpu, &self.layouts, settings),
+        }
+    }
+
+    /// Hands the work for a part of a picture to the card, without waiting for it.
+    fn draw_part(&self, target: &Target, lists: &Lists, part: &Part, timer: Option<&Timer>) {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        self.light_pass(&mut encoder, target, (&frame_group, &lists), timer);
-        self.tone_pass(&mut encoder, target, &frame_group);
+        self.light_pass(&mut encoder, target, (lists, part), timer);
+        if let Some(ending) = part.ending {
+            self.tone_pass(&mut encoder, target, &lists.frame, ending);
+        }
         if let Some(timer) = timer {
             timer.resolve(&mut encoder);
         }
         self.gpu.queue.submit([encoder.finish()]);
-        Ok(())
-    }
-
-    /// Brings crowns to the card that are not there, and drops those that the scene has no more.
-    fn keep_crowns(&mut self, crowns: &[PreparedCrown]) {
-        let mut kept = Vec::with_capacity(crowns.len());
-        for crown in crowns {
-            let known = self
-                .crowns
-                .iter()
-                .find(|(digest, _)| *digest == crown.digest);
-            let group = match known {
-                Some((_, group)) => group.clone(),
-                None => crown_group(&self.gpu, &self.layouts, crown),
-            };
-            kept.push((crown.digest, group));
-        }
-        self.crowns = kept;
-    }
-
-    /// Brings the leaves to the card if others are there.
-    fn keep_leaves(&mut self, leaves: &LeafSet) {
-        let known = self.leaves.as_ref();
-        if known.is_none_or(|(digest, _)| *digest != leaves.digest) {
-            let group = leaf_group(&self.gpu, &self.layouts, leaves);
-            self.leaves = Some((leaves.digest, group));
-        }
-    }
-
-    fn frame_group(&self, frame: &Frame) -> wgpu::BindGroup {
-        let numbers = self.gpu.device.create_buffer_init(&BufferInitDescriptor {
-            label: Some("frame"),
-            contents: bytemuck::bytes_of(frame),
-            usage: wgpu::BufferUsages::UNIFORM,
-        });
-        self.gpu
-            .device
-            .create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some("frame"),
-                layout: &self.layouts.frame,
-                entries: &[wgpu::BindGroupEntry {
-                    binding: 0,
-                    resource: numbers.as_entire_binding(),
-                }],
-            })
     }
 
     fn light_pass(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         target: &Target,
-        (frame, lists): (&wgpu::BindGroup, &Lists),
+        (lists, part): (&Lists, &Part),
         timer: Option<&Timer>,
     ) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("light"),
-            color_attachments: &[Some(attachment(&target.light))],
+            color_attachments: &[Some(attachment(&target.light, part.is_first))],
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                 view: &target.depth,
                 depth_ops: Some(wgpu::Operations {
@@ -241,7 +297,9 @@ impl GpuRenderer {
             timestamp_writes: timer.and_then(Timer::writes),
             ..Default::default()
         });
-        pass.set_bind_group(0, frame, &[]);
+        let (width, rows) = (target.columns(), &part.rows);
+        pass.set_scissor_rect(0, rows.start, width, rows.end - rows.start);
+        pass.set_bind_group(0, &lists.frame, &[]);
         pass.set_pipeline(&self.pipelines.backdrop);
         pass.draw(0..3, 0..1);
         pass.set_pipeline(&self.pipelines.ground);
@@ -249,9 +307,9 @@ impl GpuRenderer {
             pass.draw(0..6, range);
         });
         pass.set_pipeline(&self.pipelines.mesh);
-        for (vertices, count) in &lists.meshes {
-            pass.set_vertex_buffer(0, vertices.slice(..));
-            pass.draw(0..*count, 0..1);
+        for mesh in &self.kept.meshes {
+            pass.set_vertex_buffer(0, mesh.corners.slice(..));
+            pass.draw(0..mesh.corner_count, 0..1);
         }
         pass.set_pipeline(&self.pipelines.relief);
         pass.set_vertex_buffer(0, self.proxy.corners.slice(..));
@@ -259,7 +317,7 @@ impl GpuRenderer {
         self.draw_crowns(&mut pass, &lists.relief, |pass, range| {
             pass.draw_indexed(0..self.proxy.index_count, 0, range);
         });
-        if let Some((_, leaves)) = &self.leaves {
+        if let Some((_, leaves)) = &self.kept.leaves {
             pass.set_pipeline(&self.pipelines.leaves);
             pass.set_bind_group(2, leaves, &[]);
             for (count, crowns) in &lists.leaves {
@@ -278,9 +336,9 @@ impl GpuRenderer {
         draw: impl Fn(&mut wgpu::RenderPass<'pass>, Range<u32>),
     ) {
         pass.set_vertex_buffer(1, instances.buffer.slice(..));
-        for ((_, crown), range) in self.crowns.iter().zip(&instances.ranges) {
+        for (crown, range) in self.kept.crowns.iter().zip(&instances.ranges) {
             if !range.is_empty() {
-                pass.set_bind_group(1, crown, &[]);
+                pass.set_bind_group(1, &crown.group, &[]);
                 draw(pass, range.clone());
             }
         }
@@ -291,28 +349,34 @@ impl GpuRenderer {
         encoder: &mut wgpu::CommandEncoder,
         target: &Target,
         frame: &wgpu::BindGroup,
+        ending: Ending,
     ) {
-        let view = target.picture.create_view(&Default::default());
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("tone"),
-            color_attachments: &[Some(attachment(&view))],
+            color_attachments: &[Some(attachment(&target.shown, true))],
             ..Default::default()
         });
-        pass.set_pipeline(&self.pipelines.tone);
+        pass.set_pipeline(match ending {
+            Ending::File => &self.pipelines.tone,
+            Ending::Window => &self.pipelines.tone_premultiplied,
+        });
         pass.set_bind_group(0, frame, &[]);
         pass.set_bind_group(1, &target.samples, &[]);
         pass.draw(0..3, 0..1);
     }
 }
 
-/// A texture that is drawn into from scratch.
-fn attachment(view: &wgpu::TextureView) -> wgpu::RenderPassColorAttachment<'_> {
+/// A texture that is drawn into, from scratch or beside what is there.
+fn attachment(view: &wgpu::TextureView, from_scratch: bool) -> wgpu::RenderPassColorAttachment<'_> {
     wgpu::RenderPassColorAttachment {
         view,
         depth_slice: None,
         resolve_target: None,
         ops: wgpu::Operations {
-            load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+            load: match from_scratch {
+                true => wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                false => wgpu::LoadOp::Load,
+            },
             store: wgpu::StoreOp::Store,
         },
     }
@@ -321,20 +385,13 @@ fn attachment(view: &wgpu::TextureView) -> wgpu::RenderPassColorAttachment<'_> {
 impl ProxyBuffers {
     fn new(gpu: &Gpu, proxy: Proxy) -> Self {
         let (corners, triangles) = proxy.triangles();
-        let buffer = |label, contents: &[u8], usage| {
-            gpu.device.create_buffer_init(&BufferInitDescriptor {
-                label: Some(label),
-                contents,
-                usage,
-            })
-        };
         Self {
-            corners: buffer(
+            corners: gpu.buffer(
                 "proxy corners",
                 bytemuck::cast_slice(&corners),
                 wgpu::BufferUsages::VERTEX,
             ),
-            triangles: buffer(
+            triangles: gpu.buffer(
                 "proxy triangles",
                 bytemuck::cast_slice(&triangles),
                 wgpu::BufferUsages::INDEX,
@@ -342,58 +399,4 @@ impl ProxyBuffers {
             index_count: 3 * triangles.len() as u32,
         }
     }
-}
-
-impl Instances {
-    /// `list`, sorted by crown, on the card.
-    fn new(gpu: &Gpu, list: &[(usize, InstanceNumbers)], crown_count: usize) -> Self {
-        let mut numbers: Vec<InstanceNumbers> = list.iter().map(|(_, numbers)| *numbers).collect();
-        let first = |crown: usize| list.partition_point(|(index, _)| *index < crown) as u32;
-        let ranges = (0..crown_count).map(|crown| first(crown)..first(crown + 1));
-        let ranges = ranges.collect();
-        // A buffer must not be empty.
-        if numbers.is_empty() {
-            numbers.push(bytemuck::Zeroable::zeroed());
-        }
-        Self {
-            buffer: vertex_buffer(gpu, "instances", bytemuck::cast_slice(&numbers)),
-            ranges,
-        }
-    }
-}
-
-impl Lists {
-    fn new(gpu: &Gpu, view: &SceneView<'_>, settings: &RenderSettings) -> Self {
-        let resolved = Resolved::new(view, settings);
-        let count = view.crowns.len();
-        let instances = |list: &[(usize, InstanceNumbers)]| Instances::new(gpu, list, count);
-        let mut leaves: BTreeMap<u32, Vec<(usize, InstanceNumbers)>> = BTreeMap::new();
-        for entry in &resolved.leaves {
-            let bound = leaf_bound(view, settings, entry);
-            leaves.entry(bound).or_default().push(*entry);
-        }
-        let meshes = view.meshes.iter().filter(|mesh| !mesh.corners.is_empty());
-        Self {
-            shadows: instances(&resolved.shadows),
-            relief: instances(&resolved.relief),
-            leaves: leaves
-                .into_iter()
-                .map(|(bound, list)| (bound, instances(&list)))
-                .collect(),
-            meshes: meshes
-                .map(|mesh| {
-                    let bytes = bytemuck::cast_slice(&mesh.corners);
-                    (vertex_buffer(gpu, "mesh", bytes), mesh.corners.len() as u32)
-                })
-                .collect(),
-        }
-    }
-}
-
-fn vertex_buffer(gpu: &Gpu, label: &str, contents: &[u8]) -> wgpu::Buffer {
-    gpu.device.create_buffer_init(&BufferInitDescriptor {
-        label: Some(label),
-        contents,
-        usage: wgpu::BufferUsages::VERTEX,
-    })
 }

@@ -1,7 +1,7 @@
 //! The pipelines of the passes.
 
 use super::layouts::Layouts;
-use super::target::{DEPTH_FORMAT, LIGHT_FORMAT};
+use super::target::{DEPTH_FORMAT, LIGHT_FORMAT, PICTURE_FORMAT};
 use crate::render::shaders::Pass;
 use std::borrow::Cow;
 use wgpu::{BindGroupLayout, CompareFunction, Device, RenderPipeline, TextureFormat};
@@ -29,11 +29,14 @@ pub(super) struct Pipelines {
     pub(super) relief: RenderPipeline,
     pub(super) leaves: RenderPipeline,
     pub(super) tone: RenderPipeline,
+    pub(super) tone_premultiplied: RenderPipeline,
 }
 
 /// What sets a pass apart.
 struct Kind<'a> {
     pass: Pass,
+    /// The function of the shader that gives a fragment's colour.
+    fragment: &'a str,
     layouts: &'a [&'a BindGroupLayout],
     buffers: &'a [Option<wgpu::VertexBufferLayout<'a>>],
     cull: Option<wgpu::Face>,
@@ -63,6 +66,7 @@ impl Pipelines {
         };
         let behind = Kind {
             pass: Pass::Backdrop,
+            fragment: "sample",
             layouts: &[&layouts.frame],
             buffers: &[],
             cull: None,
@@ -74,6 +78,13 @@ impl Pipelines {
             array_stride: size_of::<crate::render::MeshVertex>() as u64,
             step_mode: wgpu::VertexStepMode::Vertex,
             attributes: &VERTEX,
+        };
+        let tone = Kind {
+            pass: Pass::Tone,
+            layouts: &[&layouts.frame, &layouts.samples],
+            format: PICTURE_FORMAT,
+            depth: None,
+            ..behind
         };
         let nearest = Some((CompareFunction::Greater, true));
         Self {
@@ -107,12 +118,10 @@ impl Pipelines {
                 depth: nearest,
                 ..behind
             }),
-            tone: made(&Kind {
-                pass: Pass::Tone,
-                layouts: &[&layouts.frame, &layouts.samples],
-                format: TextureFormat::Rgba8Unorm,
-                depth: None,
-                ..behind
+            tone: made(&tone),
+            tone_premultiplied: made(&Kind {
+                fragment: "premultiplied",
+                ..tone
             }),
         }
     }
@@ -154,7 +163,7 @@ fn pipeline(device: &Device, kind: &Kind<'_>, text: Cow<'static, str>) -> Render
         multisample: wgpu::MultisampleState::default(),
         fragment: Some(wgpu::FragmentState {
             module: &module,
-            entry_point: Some("sample"),
+            entry_point: Some(kind.fragment),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             targets: &[Some(wgpu::ColorTargetState {
                 format: kind.format,

@@ -3,7 +3,7 @@
 use super::context::Gpu;
 use super::layouts::Layouts;
 use crate::raster::{Image, Straight};
-use crate::render::RenderError;
+use crate::render::{RenderError, RenderSettings};
 use wgpu::{TextureFormat, TextureUsages, TextureView};
 
 /// Linear light: half floats hold more than the 8 bits of a picture at any brightness.
@@ -11,28 +11,33 @@ pub(super) const LIGHT_FORMAT: TextureFormat = TextureFormat::Rgba16Float;
 /// Reversed depth.
 pub(super) const DEPTH_FORMAT: TextureFormat = TextureFormat::Depth32Float;
 
+/// sRGB values, not decoded when they are read: what files and windows want.
+pub(super) const PICTURE_FORMAT: TextureFormat = TextureFormat::Rgba8Unorm;
+
 /// Light and depth of every sample, and the picture that they become.
 #[derive(Debug)]
 pub(super) struct Target {
     pub(super) light: TextureView,
     pub(super) depth: TextureView,
-    pub(super) picture: wgpu::Texture,
+    picture: wgpu::Texture,
+    /// All of the picture.
+    pub(super) shown: TextureView,
     pub(super) samples: wgpu::BindGroup,
     size: (u32, u32),
     fineness: u32,
 }
 
 impl Target {
-    /// A target of `size` pixels, `fineness` × `fineness` samples each.
+    /// A target for pictures with `settings`.
     ///
     /// # Errors
     /// [`RenderError::TooLarge`].
     pub(super) fn new(
         gpu: &Gpu,
         layouts: &Layouts,
-        size: (u32, u32),
-        fineness: u32,
+        settings: &RenderSettings,
     ) -> Result<Self, RenderError> {
+        let (size, fineness) = (settings.drawn_size(), settings.fineness);
         let (width, height) = (size.0 * fineness, size.1 * fineness);
         let most = gpu.longest_side();
         if width.max(height) > most {
@@ -46,8 +51,8 @@ impl Target {
         let read = drawn | TextureUsages::TEXTURE_BINDING;
         let light = texture(gpu, "light", (width, height), LIGHT_FORMAT, read);
         let depth = texture(gpu, "depth", (width, height), DEPTH_FORMAT, drawn);
-        let copied = drawn | TextureUsages::COPY_SRC;
-        let picture = texture(gpu, "picture", size, TextureFormat::Rgba8Unorm, copied);
+        let copied = read | TextureUsages::COPY_SRC;
+        let picture = texture(gpu, "picture", size, PICTURE_FORMAT, copied);
         let light = light.create_view(&wgpu::TextureViewDescriptor::default());
         let samples = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("samples"),
@@ -60,6 +65,7 @@ impl Target {
         Ok(Self {
             light,
             depth: depth.create_view(&wgpu::TextureViewDescriptor::default()),
+            shown: picture.create_view(&wgpu::TextureViewDescriptor::default()),
             picture,
             samples,
             size,
@@ -68,8 +74,23 @@ impl Target {
     }
 
     /// Whether the target serves such a picture.
-    pub(super) fn fits(&self, size: (u32, u32), fineness: u32) -> bool {
-        self.size == size && self.fineness == fineness
+    pub(super) fn fits(&self, settings: &RenderSettings) -> bool {
+        self.size == settings.drawn_size() && self.fineness == settings.fineness
+    }
+
+    /// Samples across.
+    pub(super) fn columns(&self) -> u32 {
+        self.size.0 * self.fineness
+    }
+
+    /// Samples down.
+    pub(super) fn rows(&self) -> u32 {
+        self.size.1 * self.fineness
+    }
+
+    /// Width and height of the picture, pixels.
+    pub(super) fn size(&self) -> (u32, u32) {
+        self.size
     }
 
     /// The picture, brought back.

@@ -139,6 +139,26 @@ fn the_photograph_in_front_changes_the_front_only_in_colour_and_relief() {
 }
 
 #[test]
+fn the_relief_of_the_front_is_dumped_when_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    write_inputs(at);
+    let run = made(at, "a", &["--dump", "looks"]);
+    let message = String::from_utf8_lossy(&run.stderr);
+    assert!(run.status.success(), "{message}");
+    let bytes = std::fs::read(at.join("looks/relief.png")).unwrap();
+    let relief = boscage::raster::decode_grey16_png(&bytes, 128).unwrap();
+    assert_eq!((relief.width(), relief.height()), (128, 128));
+    let outside = f64::from(relief.at(1, 1)) / 65_535.0;
+    assert!((outside - 0.5).abs() < 1e-4);
+    let inside: Vec<u16> = (40..80).map(|x| relief.at(x, 60)).collect();
+    assert!(inside.iter().max().unwrap() - inside.iter().min().unwrap() > 2000);
+    let again = made(at, "b", &["--dump", "looks"]);
+    assert_eq!(again.status.code(), Some(2));
+    assert!(!at.join("b").exists());
+}
+
+#[test]
 fn bad_input_is_one_line_that_names_the_file_and_writes_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();

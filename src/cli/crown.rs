@@ -7,10 +7,10 @@ use super::regions::{Region, grey, region_masks, regions_from};
 use super::session::Session;
 use super::{Job, Stages};
 use crate::base::{Digest, Seed, read_limited};
-use crate::crown::{SubCrown, Tangent};
+use crate::crown::{SubCrown, Tangent, relief};
 use crate::export::{CROWN_RECORD, CrownRecord, crown_file_names, crown_files};
 use crate::pipeline::{CrownError, CrownSettings, crown, crown_of_regions};
-use crate::raster::{Image, Mask, Straight, opaque_bounds};
+use crate::raster::{Compression, Image, Mask, Straight, encode_grey16_png, opaque_bounds};
 use crate::scene::Crown;
 use clap::Args;
 use serde::{Deserialize, Serialize};
@@ -60,7 +60,15 @@ pub(super) struct Flags {
     /// Height of the bare trunk below it [default: a fifth of the crown's]
     #[arg(long, value_name = "METRES")]
     trunk_height: Option<f64>,
+    /// Also write the relief of the front as the photograph shows it: relief.png, 16-bit grey of the
+    /// photograph's size, 0.5 on the silhouette and outside, a quarter for the step from the crown's
+    /// darkest to its lightest
+    #[arg(long, value_name = "DIR")]
+    dump: Option<PathBuf>,
 }
+
+/// What `--dump` writes.
+const RELIEF_FILE: &str = "relief.png";
 
 /// What a crown was made from; stands in its `crown.json` as `recipe`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -93,7 +101,8 @@ impl Job for Flags {
             return session.print_json(|| json!({"output": null, "seconds": session.seconds()}));
         }
         let paths: Vec<PathBuf> = crown_file_names().iter().map(|n| folder.join(n)).collect();
-        session.output.check(&paths)?;
+        let relief_file = self.dump.as_deref().map(|dump| dump.join(RELIEF_FILE));
+        session.output.check(paths.iter().chain(&relief_file))?;
         let stage = session.progress.stage("read", 2);
         let inputs = self.inputs(session)?;
         stage.advance();
@@ -105,9 +114,13 @@ impl Job for Flags {
             Some(record) => record,
             None => inputs.made(session, folder, digest)?,
         };
+        if let Some(file) = &relief_file {
+            inputs.dump(session, file, digest)?;
+        }
         session.print_json(|| {
             json!({
                 "output": folder.display().to_string(),
+                "relief": relief_file.as_ref().map(|file| file.display().to_string()),
                 "kept": is_kept,
                 "size": record.size,
                 "center_m": record.center_m,
@@ -264,8 +277,8 @@ impl Inputs {
         let recipe: Value = json!(self.recipe);
         let stage = session.progress.stage("write", 2);
         let record = CrownRecord::new(&crown, recipe.clone());
-        let files = crown_files(&crown, recipe)
-            .map_err(|error| Failure::of(self.photo.path().display(), error))?;
+        let files = crown_files(&crown, recipe, session.cancel)
+            .map_err(|error| Failure::of_crown_files(self.photo.path().display(), &error))?;
         stage.advance();
         let files = files.into_iter();
         let files = files.map(|(name, bytes)| (folder.join(name), bytes));
@@ -274,6 +287,23 @@ impl Inputs {
             .write_items(files.collect(), digest, session.cancel)?;
         stage.advance();
         Ok(record)
+    }
+
+    /// Writes the relief of the front to `file`.
+    fn dump(&self, session: &Session<'_>, file: &Path, digest: Digest) -> Result<(), Failure> {
+        if session.output.is_ready(file, digest) {
+            return Ok(());
+        }
+        let (photo, image) = (self.photo.decoded()?, self.mask.decoded()?);
+        let regions = &self.recipe.regions;
+        let mask = match regions.is_empty() {
+            true => mask_from(&image),
+            false => grey(&image).map(|grey| regions.iter().any(|region| region.label == *grey)),
+        };
+        let heights = relief(&photo, &mask, &self.recipe.settings.relief, session.cancel)?;
+        let grey = |&height: &f32| (65_535.0 * (0.5 + 0.25 * height.clamp(-2.0, 2.0)) + 0.5) as u16;
+        let png = encode_grey16_png(&heights.map(grey), Compression::Fast);
+        session.output.write_item(file, png, digest)
     }
 
     fn crown(&self, session: &Session<'_>) -> Result<Crown, Failure> {

@@ -49,7 +49,8 @@ pub(super) fn demo_crown(session: &Session<'_>, folder: &Path) -> Result<(), Fai
     stage.advance();
     drop(stage);
     let origin = json!({"sample": SAMPLE, "seed": session.options.seed, "settings": settings()});
-    let made = crown_files(&crown, origin).map_err(|error| Failure::of(SAMPLE, error))?;
+    let made = crown_files(&crown, origin, session.cancel)
+        .map_err(|error| Failure::of_crown_files(SAMPLE, &error))?;
     session.cancel.check()?;
     for (name, bytes) in made {
         session

@@ -259,8 +259,8 @@ impl CrownExport<'_> {
             &encode_ktx2_radii(&crown.radius_m),
             session,
         )?;
-        let made = crown_files(crown, record.recipe.clone())
-            .map_err(|error| Failure::of("crown", error))?;
+        let made = crown_files(crown, record.recipe.clone(), session.cancel)
+            .map_err(|error| Failure::of_crown_files("crown", &error))?;
         let wanted = cubemap_files();
         let folder = self.settings.out.join(&files["colors"]);
         let folder = folder.parent().unwrap_or(&self.settings.out);

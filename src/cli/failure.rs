@@ -6,6 +6,7 @@
 //! share that went away will not (1). Permissions count as the user's choice of path: 2.
 
 use crate::base::{Cancelled, FileError, one_line};
+use crate::export::CrownFilesError;
 use crate::raster::{ImageError, Refusal};
 use crate::render::RenderError;
 use crate::segment::SegmentError;
@@ -28,6 +29,14 @@ impl Failure {
     /// Bad input in the file or setting `name`.
     pub(super) fn of(name: impl fmt::Display, reason: impl fmt::Display) -> Self {
         Self::BadInput(format!("{name}: {reason}"))
+    }
+
+    /// The crown `name` could not be made into files.
+    pub(super) fn of_crown_files(name: impl fmt::Display, error: &CrownFilesError) -> Self {
+        match error {
+            CrownFilesError::Mesh(reason) => Self::of(name, reason),
+            CrownFilesError::Cancelled(_) => Self::Cancelled,
+        }
     }
 
     /// 2, 3 or 1.

@@ -14,6 +14,7 @@
 use super::crown_mesh::crown_glb;
 use super::glb::GlbError;
 use super::ply::{PlyError, decode_ply, encode_ply};
+use crate::base::{Cancel, Cancelled};
 use crate::raster::{
     Compression, CubeFace, Cubemap, Grey16Error, Image, ImageError, ReadLimits, Straight,
     decode_grey16_png, encode_grey16_png, encode_png, read_image_from_memory,
@@ -115,6 +116,17 @@ impl CrownRecord {
     }
 }
 
+/// A crown could not be made into files.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum CrownFilesError {
+    /// Its radii are not finite.
+    #[error(transparent)]
+    Mesh(#[from] GlbError),
+    /// The work was asked to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
 /// A crown could not be read.
 #[derive(Debug, thiserror::Error)]
 pub enum CrownFolderError {
@@ -162,11 +174,12 @@ pub fn crown_file_names() -> Vec<String> {
 /// last, so that a folder that has it has all.
 ///
 /// # Errors
-/// [`GlbError`], for radii that are not finite.
+/// [`CrownFilesError`].
 pub fn crown_files(
     crown: &Crown,
     recipe: serde_json::Value,
-) -> Result<Vec<(String, Vec<u8>)>, GlbError> {
+    cancel: &Cancel,
+) -> Result<Vec<(String, Vec<u8>)>, CrownFilesError> {
     let record = CrownRecord::new(crown, recipe);
     let longest = f64::from(record.radius_max_m);
     // A radius of 0 would be no radius.
@@ -186,9 +199,16 @@ pub fn crown_files(
     let jobs: Vec<(usize, CubeFace)> = (0..3)
         .flat_map(|kind| CubeFace::ALL.map(|face| (kind, face)))
         .collect();
-    let mut contents: Vec<Vec<u8>> = jobs.par_iter().map(encoded).collect();
+    let encoded = jobs.par_iter().map(|job| {
+        cancel.check()?;
+        Ok(encoded(job))
+    });
+    let mut contents: Vec<Vec<u8>> = encoded.collect::<Result<_, Cancelled>>()?;
+    cancel.check()?;
     contents.push(encode_ply(&crown.base_mesh));
+    cancel.check()?;
     contents.push(crown_glb(crown)?);
+    cancel.check()?;
     let record = serde_json::to_string_pretty(&record)
         .unwrap_or_else(|_| unreachable!("records hold numbers and text only"));
     contents.push((record + "\n").into_bytes());
@@ -304,7 +324,7 @@ mod tests {
     fn a_crown_comes_back_from_its_files() {
         let crown = crown();
         let recipe = serde_json::json!({"seed": 7});
-        let files: BTreeMap<_, _> = crown_files(&crown, recipe.clone())
+        let files: BTreeMap<_, _> = crown_files(&crown, recipe.clone(), &Cancel::new())
             .unwrap()
             .into_iter()
             .collect();
@@ -326,7 +346,7 @@ mod tests {
         for (found, expected) in radii(&found).iter().zip(radii(&crown)) {
             assert!((found - expected).abs() < 1e-4, "{found} {expected}");
         }
-        let again = crown_files(&found, recipe).unwrap();
+        let again = crown_files(&found, recipe, &Cancel::new()).unwrap();
         let names: Vec<&String> = again.iter().map(|(name, _)| name).collect();
         assert_eq!(names.last().unwrap().as_str(), CROWN_RECORD);
         for (name, content) in &again {
@@ -338,8 +358,16 @@ mod tests {
     }
 
     #[test]
+    fn a_cancelled_crown_becomes_no_files() {
+        let cancel = Cancel::new();
+        cancel.cancel();
+        let files = crown_files(&crown(), serde_json::Value::Null, &cancel);
+        assert_eq!(files.unwrap_err(), CrownFilesError::Cancelled(Cancelled));
+    }
+
+    #[test]
     fn missing_foreign_and_ill_sized_files_are_named() {
-        let whole: BTreeMap<_, _> = crown_files(&crown(), serde_json::Value::Null)
+        let whole: BTreeMap<_, _> = crown_files(&crown(), serde_json::Value::Null, &Cancel::new())
             .unwrap()
             .into_iter()
             .collect();

@@ -8,7 +8,7 @@ use super::atlas::{AtlasLayout, atlas};
 use super::glb::{GlbError, MeshParts, glb};
 use crate::crown::{CubeSphere, cube_sphere, grid_line};
 use crate::geometry::Mesh;
-use crate::raster::{Compression, CubeFace, encode_png};
+use crate::raster::{Compression, CubeFace, encode_opaque_png};
 use crate::scene::Crown;
 use glam::DVec3;
 
@@ -28,7 +28,8 @@ pub fn crown_glb(crown: &Crown) -> Result<Vec<u8>, GlbError> {
     let sphere = cube_sphere(&crown.radius_m, crown.center_m, cells);
     let layout = AtlasLayout::new(crown.color.size());
     let (mesh, normals, uvs) = divided(&sphere, layout);
-    let png = encode_png(&atlas(&crown.color), Compression::Small);
+    // Fast: the smaller file would take seconds at 1024 texels, in which nobody could cancel.
+    let png = encode_opaque_png(&atlas(&crown.color), Compression::Fast);
     glb(&[MeshParts {
         normals: Some(&normals),
         uvs: Some(&uvs),

@@ -43,7 +43,8 @@ pub use bleed::{bled, bled_from};
 pub use blocks::{BlockFormat, CompressedLevels, compressed};
 pub use cards::{CardMesh, Flat, crossed};
 pub use crown_folder::{
-    CROWN_RECORD, CrownFolderError, CrownRecord, crown_file_names, crown_files, crown_from_files,
+    CROWN_RECORD, CrownFilesError, CrownFolderError, CrownRecord, crown_file_names, crown_files,
+    crown_from_files,
 };
 pub use crown_mesh::crown_glb;
 pub use crown_model::{CrownModel, ModelMaterial, leaf_model, surface_model};

@@ -14,14 +14,12 @@ use crate::crown::{
     BaseMeshError, Domain, Envelope, Inflation, InflationError, Method, RadiusError,
     ReliefSettings, SettingError, SubCrown, Tangent, TangentError, crown_center, height_cubemap,
     into_world, merged_radius_cubemap, radius_with_relief, sheet_surface, sub_crowns_merged,
-    turned_copies,
+    turned_copies, without_steep_walls,
 };
 use crate::geometry::{Mesh, Point};
 use crate::raster::{Cubemap, Image, Mask, Straight, opaque_bounds};
 use crate::scene::Crown;
-use crate::synth::{
-    CrownSurface, CubemapSettings, Extent, SynthesisError, foliage_cubemap, with_photo_front,
-};
+use crate::synth::{CrownSurface, CubemapSettings, Extent, SynthesisError, foliage_cubemap};
 use serde::{Deserialize, Serialize};
 
 /// How a crown is made from a photograph.
@@ -59,6 +57,11 @@ pub const TRUNK_SHARE: f64 = 0.2;
 
 /// The largest k: beyond, a surface is nothing but walls.
 const MOST_K: f64 = 50.0;
+
+/// How much of itself the radius without relief may change by for each radian. An ellipsoid three times
+/// as high as wide needs 1.33, the tip of a slender conifer 2; colours are drawn out to 2.2 times their
+/// width at 2.
+const STEEPEST_BASE: f64 = 2.0;
 
 impl Default for CrownSettings {
     fn default() -> Self {
@@ -245,6 +248,7 @@ fn with_relief(
         shape,
         base_m,
         color,
+        ..
     } = surface;
     let stage = progress.stage("relief", 1);
     let height = height_cubemap(&color, &settings.relief, cancel)?;
@@ -269,6 +273,30 @@ pub struct ColoredSurface {
     pub base_m: Cubemap<f32>,
     /// The colours.
     pub color: Cubemap<Straight>,
+    /// Which of them are the photograph's own; none unless it was to stay on the front.
+    pub from_photo: Cubemap<bool>,
+}
+
+impl ColoredSurface {
+    /// How much of what faces the viewer by `facing` or more (1 is straight towards) shows the
+    /// photograph's own pixels, as a share of its texels; 0 when nothing does.
+    pub fn photo_share(&self, facing: f64) -> f64 {
+        let surface = CrownSurface {
+            center: self.shape.photo_center,
+            radius: &self.base_m,
+        };
+        let facings = surface.facing(self.color.size());
+        let (mut own, mut all) = (0u32, 0u32);
+        for (facings, from_photo) in facings.faces().iter().zip(self.from_photo.faces()) {
+            for (&at, &is_own) in facings.pixels().iter().zip(from_photo.pixels()) {
+                if at >= facing {
+                    all += 1;
+                    own += u32::from(is_own);
+                }
+            }
+        }
+        f64::from(own) / f64::from(all.max(1))
+    }
 }
 
 /// The first part of [`crown`]: stages `shape` and `foliage`.
@@ -324,7 +352,8 @@ fn base_radius(
 ) -> Result<Cubemap<f32>, RadiusError> {
     let center = shape.frame.center_m;
     let copies = turned_copies(&shape.base_mesh, center, settings.copies);
-    merged_radius_cubemap(&copies, center, settings.size, cancel)
+    let radius = merged_radius_cubemap(&copies, center, settings.size, cancel)?;
+    Ok(without_steep_walls(&radius, STEEPEST_BASE))
 }
 
 /// The stage `foliage`: colours around a shape and its radius.
@@ -337,30 +366,28 @@ fn colored(
     progress: Progress<'_>,
     cancel: &Cancel,
 ) -> Result<ColoredSurface, CrownError> {
-    let stage = progress.stage("foliage", 2);
+    let stage = progress.stage("foliage", 1);
     let foliage = CubemapSettings {
         size: settings.size,
         ..settings.foliage
     };
     let radius = base_m.map(|&radius| radius * shape.photo_px_per_m as f32);
     let extent = Extent::of_surface(&radius);
-    let made = foliage_cubemap(photo, mask, extent, &foliage, seed, &progress, cancel)?;
-    stage.advance();
-    let color = if settings.photo_front {
-        let surface = CrownSurface {
-            center: shape.photo_center,
-            radius: &radius,
-        };
-        with_photo_front(&made, surface, cancel)?
-    } else {
-        made.color
+    let surface = CrownSurface {
+        center: shape.photo_center,
+        radius: &radius,
     };
+    let front = settings.photo_front.then_some(surface);
+    let made = foliage_cubemap(
+        photo, mask, extent, front, &foliage, seed, &progress, cancel,
+    )?;
     stage.advance();
     drop(stage);
     Ok(ColoredSurface {
         shape,
         base_m,
-        color,
+        color: made.color,
+        from_photo: made.from_photo,
     })
 }
 

@@ -55,6 +55,33 @@ impl LatticeSize {
         [self.width, self.depth]
     }
 
+    /// Which texel of which face column `x` and row `y` of the lateral texture become; in the bands
+    /// above and below that of the lid that they are folded onto. The last columns are those that
+    /// are laid over the first.
+    pub(super) fn lateral_texel(self, x: u32, y: u32) -> (CubeFace, u32, u32) {
+        let column = x % self.girth();
+        let mut index = ROUND.len() - 1;
+        while self.first_column(index) > column {
+            index -= 1;
+        }
+        let column = column - self.first_column(index);
+        let (band, height) = (self.band(), self.height);
+        let lid = |face: CubeFace, row: u32| {
+            let fold = Fold {
+                face,
+                index,
+                size: self,
+            };
+            let (x, y) = fold.place(column, row);
+            (face, x, y)
+        };
+        match y {
+            y if y < band => lid(CubeFace::PosY, band - 1 - y),
+            y if y < band + height => (ROUND[index], column, y - band),
+            _ => lid(CubeFace::NegY, y - band - height),
+        }
+    }
+
     /// Texels all around.
     fn girth(self) -> u32 {
         2 * (self.width + self.depth)

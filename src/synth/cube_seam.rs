@@ -5,7 +5,7 @@
 
 use super::seam::{Side, StepCost, step_cost};
 use crate::base::{Cancel, Cancelled};
-use crate::raster::{CubeFace, Cubemap, Image, Straight};
+use crate::raster::{CubeFace, Cubemap, Straight};
 use crate::solve::{Edge, HARD, Network};
 use glam::DVec3;
 
@@ -167,26 +167,6 @@ pub(super) fn cube_edges(size: u32) -> Vec<Vec<(Texel, Texel)>> {
         }
     }
     edges
-}
-
-/// The second cubemap where `from_second` says so, else the first.
-pub(super) fn chosen(
-    first: &Cubemap<Straight>,
-    second: &Cubemap<Straight>,
-    from_second: &Cubemap<bool>,
-) -> Cubemap<Straight> {
-    Cubemap::from_faces(CubeFace::ALL.map(|face| {
-        let texels = first
-            .face(face)
-            .pixels()
-            .iter()
-            .zip(second.face(face).pixels());
-        let choices = from_second.face(face).pixels();
-        let pixels = texels
-            .zip(choices)
-            .map(|((&a, &b), &second)| if second { b } else { a });
-        Image::from_pixels(first.size(), first.size(), pixels.collect())
-    }))
 }
 
 #[cfg(test)]

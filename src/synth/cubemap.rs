@@ -5,13 +5,17 @@
 //! ([`wrapped`]). Leaves are as large as in the photograph, at the poles as well as at eye level.
 
 use super::SynthesisError;
-use super::assembly::assembled;
+use super::assembly::{Lattice, assembled};
+use super::canvas::Known;
 use super::exemplar::{Exemplar, ExemplarSettings};
-use super::texture::{SynthesisSettings, texture};
+use super::foliage::shown;
+use super::photo_front::{CrownSurface, Front};
+use super::texture::{SynthesisSettings, texture_around};
 use super::wrapping::{Extent, Wrapping, wrapped};
-use crate::base::{Cancel, Progress, Seed};
+use crate::base::{Cancel, Cancelled, Progress, Seed};
 use crate::geometry::Point;
-use crate::raster::{Cubemap, Image, Mask, Rect, Straight, opaque_bounds, resized};
+use crate::raster::{CubeFace, Cubemap, Image, Mask, Rect, Straight, opaque_bounds, resized};
+use rayon::prelude::*;
 
 /// How a cubemap of foliage is made.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -47,11 +51,10 @@ impl Default for CubemapSettings {
 pub struct FoliageCubemap {
     /// The colours, opaque.
     pub color: Cubemap<Straight>,
+    /// Which texels are the photograph's own; none unless it was to stay on the front.
+    pub from_photo: Cubemap<bool>,
     /// How texture lies around the crown.
     pub wrapping: Wrapping,
-    /// The part of the photograph around the crown at the scale of the texture.
-    pub(super) scaled: ScaledPhoto,
-    pub(super) exemplar: Exemplar,
 }
 
 /// How far the crown of `mask` reaches from `center`, pixels, if it is as deep as wide; `None` when the mask is empty.
@@ -69,15 +72,20 @@ pub fn extent_of(mask: &Mask, center: Point) -> Option<Extent> {
 /// The foliage of `photo` inside `mask` around a crown of `extent`. Stages: `exemplar`, those of
 /// [`texture`](super::texture) three times, `assemble`.
 ///
+/// With a `front` the photograph stays on the front of that surface and the textures grow out of it:
+/// what it shows of the crown is known to the synthesis, which continues it ([`super::photo_front`]).
+///
 /// # Errors
 /// [`SynthesisError`].
 ///
 /// # Panics
 /// When the size is below [`CubemapSettings::LEAST_SIZE`].
+#[expect(clippy::too_many_arguments, reason = "the last three are every step's")]
 pub fn foliage_cubemap(
     photo: &Image<Straight>,
     mask: &Mask,
     extent: Extent,
+    front: Option<CrownSurface<'_>>,
     settings: &CubemapSettings,
     seed: Seed,
     progress: &Progress<'_>,
@@ -91,30 +99,87 @@ pub fn foliage_cubemap(
     let stage = progress.stage("exemplar", 1);
     let scaled = ScaledPhoto::new(photo, mask, wrapping.texels_per_pixel())?;
     let exemplar = Exemplar::new(&scaled.photo, &scaled.mask, &settings.exemplar, cancel)?;
+    let front = front.map(|surface| {
+        let shown = shown(&scaled.photo, &scaled.mask, settings.exemplar.without_sky);
+        Front::new(&scaled, &exemplar, shown, surface)
+    });
+    let known = known_textures(front.as_ref(), &wrapping, cancel)?;
     stage.advance();
     drop(stage);
-    let size = wrapping.size();
-    let made = |name: &str, [width, height]: [u32; 2]| {
-        let settings = SynthesisSettings {
-            tiles_x: false,
-            ..settings.synthesis
-        };
-        let seed = seed.derive(name, 0);
-        texture(&exemplar, width, height, &settings, seed, progress, cancel)
+    let lattice = lattice(
+        &exemplar, &known, &wrapping, settings, seed, progress, cancel,
+    )?;
+    let grown = wrapped(&lattice, &wrapping, settings.size, cancel)?;
+    let (color, from_photo) = match front {
+        Some(front) => front.laid_over(&grown, cancel)?,
+        None => (grown, Cubemap::filled(settings.size, false)),
     };
-    let lateral = made("lateral", size.lateral())?;
-    let [top, bottom] = [made("top", size.lid())?, made("bottom", size.lid())?];
-    let stage = progress.stage("assemble", 1);
-    let lattice = assembled(&lateral, &top, &bottom, size, cancel)?;
-    let color = wrapped(&lattice, &wrapping, settings.size, cancel)?;
-    stage.advance();
-    drop(stage);
     Ok(FoliageCubemap {
         color,
+        from_photo,
         wrapping,
-        scaled,
-        exemplar,
     })
+}
+
+/// What is settled of the lateral texture, the top and the bottom.
+fn known_textures(
+    front: Option<&Front<'_>>,
+    wrapping: &Wrapping,
+    cancel: &Cancel,
+) -> Result<[Known; 3], Cancelled> {
+    let size = wrapping.size();
+    let known = |[width, height]: [u32; 2], texel: &(dyn Fn(u32, u32) -> LidTexel + Sync)| {
+        let Some(front) = front else {
+            return Ok(Image::filled(width, height, None));
+        };
+        let row = |y: u32| {
+            cancel.check()?;
+            let seen = |x: u32| {
+                let (face, x, y) = texel(x, y);
+                front.known(wrapping.direction(face, f64::from(x), f64::from(y)))
+            };
+            Ok((0..width).map(seen).collect::<Vec<_>>())
+        };
+        let rows: Result<Vec<_>, Cancelled> = (0..height).into_par_iter().map(row).collect();
+        Ok(Image::from_pixels(width, height, rows?.concat()))
+    };
+    Ok([
+        known(size.lateral(), &|x, y| size.lateral_texel(x, y))?,
+        known(size.lid(), &|x, y| (CubeFace::PosY, x, y))?,
+        known(size.lid(), &|x, y| (CubeFace::NegY, x, y))?,
+    ])
+}
+
+/// A face, a column and a row.
+type LidTexel = (CubeFace, u32, u32);
+
+/// The box of texture that grows around what is `known` of its three textures.
+fn lattice(
+    exemplar: &Exemplar,
+    known: &[Known; 3],
+    wrapping: &Wrapping,
+    settings: &CubemapSettings,
+    seed: Seed,
+    progress: &Progress<'_>,
+    cancel: &Cancel,
+) -> Result<Lattice, SynthesisError> {
+    let synthesis = SynthesisSettings {
+        tiles_x: false,
+        ..settings.synthesis
+    };
+    let made = |name: &str, known: &Known| {
+        let seed = seed.derive(name, 0);
+        let preview = |_| {};
+        texture_around(exemplar, known, &synthesis, seed, preview, progress, cancel)
+            .map(|texture| texture.image)
+    };
+    let [lateral, top, bottom] = known;
+    let lateral = made("lateral", lateral)?;
+    let [top, bottom] = [made("top", top)?, made("bottom", bottom)?];
+    let stage = progress.stage("assemble", 1);
+    let lattice = assembled(&lateral, &top, &bottom, wrapping.size(), cancel)?;
+    stage.advance();
+    Ok(lattice)
 }
 
 impl CubemapSettings {

@@ -1,12 +1,13 @@
 //! The exemplar: the foliage of a photograph, prepared once for any number of textures.
 
 use super::SynthesisError;
-use super::flatten::flatten;
+use super::flatten::Light;
 use super::foliage::foliage;
 use super::level::{Level, blurred};
 use super::similar::{SIMILAR, similar};
 use super::unique::unique;
 use crate::base::{Cancel, Seed};
+use crate::geometry::Point;
 use crate::raster::{Image, Mask, Rect, Straight, opaque_bounds};
 
 /// How an exemplar is prepared.
@@ -59,6 +60,8 @@ pub struct Exemplar {
     nearest: Vec<u32>,
     foliage: Mask,
     bounds: Rect,
+    /// The light that was taken out, over the crop.
+    light: Light,
 }
 
 impl Exemplar {
@@ -99,7 +102,8 @@ impl Exemplar {
             .iter()
             .map(|pixel| [0, 1, 2].map(|channel| f32::from(pixel.0[channel])))
             .collect();
-        flatten(&mut colors, &usable, settings.flatten.clamp(0.0, 1.0));
+        let light = Light::of(&colors, &usable, settings.flatten);
+        light.even_out(&mut colors, width as usize);
         // What is not foliage has the colour of the nearest leaf, for windows at the edge.
         let mut colors: Vec<[f32; 3]> = nearest.iter().map(|&at| colors[at as usize]).collect();
         let size = (width as usize, height as usize);
@@ -123,6 +127,7 @@ impl Exemplar {
             nearest,
             foliage: whole,
             bounds,
+            light,
         };
         if settings.without_unique {
             let number = UNIQUE_LEVEL.min(exemplar.levels.len() - 1);
@@ -181,6 +186,13 @@ impl Exemplar {
     /// Where [`Exemplar::picture`] lies in the photograph.
     pub fn bounds(&self) -> Rect {
         self.bounds
+    }
+
+    /// What colours of the photograph at `place` are multiplied by to take the large-scale light out.
+    pub(super) fn gain(&self, place: Point) -> [f32; 3] {
+        let from = |place: f64, first: u32| (place - f64::from(first)) as f32;
+        self.light
+            .gain(from(place.x, self.bounds.x), from(place.y, self.bounds.y))
     }
 
     /// The usable pixel at or nearest to (x, y) of the crop, as an index at level `number`.

@@ -25,48 +25,79 @@ const LARGEST_GAIN: f32 = 1.9;
 /// green is nearly 0, and its ratios mean nothing.
 const FLOOR: f32 = 10.0;
 
-/// Multiplies `colors` (0 … 255, rows of `usable`) by gains that even out their neighbourhoods;
-/// `amount` is 0 … 1.
-pub(super) fn flatten(colors: &mut [[f32; 3]], usable: &Mask, amount: f32) {
-    if amount <= 0.0 {
-        return;
-    }
-    let (width, height) = (usable.width() as usize, usable.height() as usize);
-    let (columns, rows) = (width.div_ceil(CELL), height.div_ceil(CELL));
-    // Sums of red, green and blue, and the number of pixels.
-    let mut cells = vec![[0.0f32; 4]; columns * rows];
-    for (index, [r, g, b]) in colors.iter().enumerate() {
-        if usable.pixels()[index] {
-            let cell = &mut cells[index / width / CELL * columns + index % width / CELL];
-            *cell = added(*cell, [*r, *g, *b, 1.0]);
+/// The large-scale light of an exemplar: what its colours are multiplied by to even it out.
+#[derive(Debug, Clone)]
+pub(super) struct Light {
+    /// The mean around each cell of the grid.
+    around: Vec<[f32; 3]>,
+    columns: usize,
+    rows: usize,
+    /// The mean of all.
+    mean: [f32; 3],
+    amount: f32,
+}
+
+impl Light {
+    /// The light over the `usable` pixels of `colors` (0 … 255, rows of `usable`); `amount`, 0 … 1, of
+    /// it is to be taken out.
+    pub(super) fn of(colors: &[[f32; 3]], usable: &Mask, amount: f32) -> Self {
+        let (width, height) = (usable.width() as usize, usable.height() as usize);
+        let (columns, rows) = (width.div_ceil(CELL), height.div_ceil(CELL));
+        // Sums of red, green and blue, and the number of pixels.
+        let mut cells = vec![[0.0f32; 4]; columns * rows];
+        for (index, [r, g, b]) in colors.iter().enumerate() {
+            if usable.pixels()[index] {
+                let cell = &mut cells[index / width / CELL * columns + index % width / CELL];
+                *cell = added(*cell, [*r, *g, *b, 1.0]);
+            }
+        }
+        let mut total = [0.0f64; 4];
+        for cell in &cells {
+            total = [0, 1, 2, 3].map(|i| total[i] + f64::from(cell[i]));
+        }
+        let count = total[3];
+        let mean = [0, 1, 2].map(|i| (total[i] / count.max(1.0)) as f32);
+        let radius = (RADIUS_SHARE * count.sqrt() / CELL as f64).round().max(1.0) as usize;
+        if amount > 0.0 {
+            for _ in 0..3 {
+                cells = boxed(&cells, (columns, 1), (rows, columns), radius);
+                cells = boxed(&cells, (rows, columns), (columns, 1), radius);
+            }
+        }
+        let around = |cell: &[f32; 4]| match cell[3] > 0.0 {
+            true => [0, 1, 2].map(|i| cell[i] / cell[3]),
+            false => mean,
+        };
+        Self {
+            around: cells.iter().map(around).collect(),
+            columns,
+            rows,
+            mean,
+            amount: amount.clamp(0.0, 1.0),
         }
     }
-    let mut total = [0.0f64; 4];
-    for cell in &cells {
-        total = [0, 1, 2, 3].map(|i| total[i] + f64::from(cell[i]));
+
+    /// What a colour at (x, y), pixels of the exemplar, is multiplied by.
+    pub(super) fn gain(&self, x: f32, y: f32) -> [f32; 3] {
+        if self.amount <= 0.0 {
+            return [1.0; 3];
+        }
+        let local = interpolated(&self.around, self.columns, self.rows, x, y);
+        [0, 1, 2].map(|i| {
+            let ratio = (self.mean[i] + FLOOR) / (local[i] + FLOOR);
+            libm::powf(ratio, self.amount).clamp(1.0 / LARGEST_GAIN, LARGEST_GAIN)
+        })
     }
-    let count = total[3];
-    if count == 0.0 {
-        return;
-    }
-    let mean = [0, 1, 2].map(|i| (total[i] / count) as f32);
-    let radius = (RADIUS_SHARE * count.sqrt() / CELL as f64).round().max(1.0) as usize;
-    for _ in 0..3 {
-        cells = boxed(&cells, (columns, 1), (rows, columns), radius);
-        cells = boxed(&cells, (rows, columns), (columns, 1), radius);
-    }
-    let around = |cell: &[f32; 4]| match cell[3] > 0.0 {
-        true => [0, 1, 2].map(|i| cell[i] / cell[3]),
-        false => mean,
-    };
-    let around: Vec<[f32; 3]> = cells.iter().map(around).collect();
-    for (index, color) in colors.iter_mut().enumerate() {
-        let local = interpolated(&around, columns, rows, index % width, index / width);
-        *color = [0, 1, 2].map(|i| {
-            let ratio = (mean[i] + FLOOR) / (local[i] + FLOOR);
-            let gain = libm::powf(ratio, amount).clamp(1.0 / LARGEST_GAIN, LARGEST_GAIN);
-            (color[i] * gain).min(255.0)
-        });
+
+    /// Evens out `colors`, rows of `width`.
+    pub(super) fn even_out(&self, colors: &mut [[f32; 3]], width: usize) {
+        if self.amount <= 0.0 {
+            return;
+        }
+        for (index, color) in colors.iter_mut().enumerate() {
+            let gain = self.gain((index % width) as f32, (index / width) as f32);
+            *color = [0, 1, 2].map(|i| (color[i] * gain[i]).min(255.0));
+        }
     }
 }
 
@@ -94,10 +125,10 @@ fn boxed(
     sums
 }
 
-/// The value at pixel (x, y) of a grid whose cells cover [`CELL`] pixels.
-fn interpolated(cells: &[[f32; 3]], columns: usize, rows: usize, x: usize, y: usize) -> [f32; 3] {
-    let place = |pixel: usize, count: usize| {
-        let at = ((pixel as f32 + 0.5) / CELL as f32 - 0.5).clamp(0.0, (count - 1) as f32);
+/// The value at (x, y), pixels, of a grid whose cells cover [`CELL`] pixels.
+fn interpolated(cells: &[[f32; 3]], columns: usize, rows: usize, x: f32, y: f32) -> [f32; 3] {
+    let place = |pixel: f32, count: usize| {
+        let at = ((pixel + 0.5) / CELL as f32 - 0.5).clamp(0.0, (count - 1) as f32);
         let first = (at as usize).min(count.saturating_sub(2));
         (first, (first + 1).min(count - 1), at - first as f32)
     };
@@ -128,6 +159,10 @@ mod tests {
     fn mean(colors: &[[f32; 3]], columns: std::ops::Range<usize>) -> f32 {
         let row = &colors[128 * 32..128 * 33][columns];
         row.iter().map(|color| color[0]).sum::<f32>() / row.len() as f32
+    }
+
+    fn flatten(colors: &mut [[f32; 3]], usable: &Mask, amount: f32) {
+        Light::of(colors, usable, amount).even_out(colors, usable.width() as usize);
     }
 
     #[test]

@@ -33,6 +33,17 @@ const SMALLEST_ISLAND: usize = 12;
 /// (a white tree before a blue wall) and nothing is.
 const LEAST_SHARE: f64 = 0.3;
 
+/// Pixels around sky that may be mixed with it: lens, camera and resizing each spread it by about one.
+const AROUND_SKY: u8 = 2;
+
+/// How much more blue than red and green a pixel must be to be taken for a mixture with a blue sky
+/// wherever it is, of 255: even shade, which the sky lights, is hardly bluer than green in leaves.
+const BLUER_THAN_LEAVES: i32 = 5;
+
+/// How much of a pixel near sky must be leaf to be shown as it is. Lower, and twigs before a bright sky
+/// get a pale fringe; higher, and a thin crown has nothing left to show.
+const LEAST_COVER: f32 = 0.75;
+
 /// The foliage of `photo` inside `mask`: opaque pixels at least `erosion` pixels from the mask's
 /// edge, without sky when `without_sky` (which grows by one pixel), and without tiny islands.
 pub(super) fn foliage(
@@ -53,6 +64,58 @@ pub(super) fn foliage(
         }
     }
     without_islands(&kept)
+}
+
+/// The pixels of `photo` inside `mask` that show the crown as it is: opaque, no sky and hardly any sky
+/// in them, but without islands that are too small to tell what they show.
+pub(super) fn shown(photo: &Image<Straight>, mask: &Mask, without_sky: bool) -> Mask {
+    let inner = both(photo, mask, |pixel, inside| inside && pixel.alpha() >= 128);
+    let sky = match without_sky {
+        true => sky(photo, mask, &inner),
+        false => None,
+    };
+    let Some(sky) = sky else {
+        return inner;
+    };
+    let near = dilated(&sky, AROUND_SKY);
+    let leaves = both(&inner, &near, |inside, near| inside && !near);
+    let clear = both(&inner, &sky, |inside, sky| inside && !sky);
+    let colors = median_color(photo, &leaves)
+        .or_else(|| median_color(photo, &clear))
+        .zip(median_color(photo, &sky));
+    let Some((leaf, behind)) = colors else {
+        return clear;
+    };
+    let blue = |[r, g, b]: [f32; 3]| b / (r + g + b).max(1.0);
+    let limit = blue(leaf) + MIXTURE * (blue(behind) - blue(leaf));
+    let is_sky_bluer = blue(behind) - blue(leaf) > BLUER;
+    let is_blue = |pixel: Straight| {
+        let [r, g, b, _] = pixel.0.map(i32::from);
+        is_sky_bluer && b > r.max(g) + BLUER_THAN_LEAVES && blue_share(pixel) > limit
+    };
+    let is_leaf = |pixel| cover(pixel, leaf, behind) >= LEAST_COVER;
+    let covered = both(photo, &near, |pixel, near| {
+        (!near || is_leaf(pixel)) && !is_blue(pixel)
+    });
+    without_islands(&both(&clear, &covered, |clear, covered| clear && covered))
+}
+
+/// How much of `pixel` is covered by what has the colour `leaf` before what has the colour `behind`: 0
+/// … 1 in between, and beyond for other colours.
+fn cover(pixel: Straight, leaf: [f32; 3], behind: [f32; 3]) -> f32 {
+    let (mut along, mut whole) = (0.0, 0.0);
+    for i in 0..3 {
+        let towards = leaf[i] - behind[i];
+        along += (f32::from(pixel.0[i]) - behind[i]) * towards;
+        whole += towards * towards;
+    }
+    along / whole.max(1.0)
+}
+
+/// The median of each channel over the pixels of `mask`; `None` when there are none.
+fn median_color(photo: &Image<Straight>, mask: &Mask) -> Option<[f32; 3]> {
+    let channel = |i: usize| median(photo, mask, |pixel| f32::from(pixel.0[i]));
+    Some([channel(0)?, channel(1)?, channel(2)?])
 }
 
 /// The pixels of `inner` whose colours are those of the sky around the crown; `None` when there is
@@ -225,6 +288,24 @@ mod tests {
         let with_sky = foliage(&photo, &mask, 1, false);
         assert_eq!(with_sky.count(), 26 * 26);
         assert_eq!(kept.count(), 26 * 26 - 6 * 6);
+    }
+
+    #[test]
+    fn what_is_shown_is_leaf_for_the_most_part() {
+        let (mut photo, mask) = crown();
+        let mixed = |leaf: f32| {
+            let channel = |i: usize| {
+                let (a, b) = (f32::from(LEAF.0[i]), f32::from(SKY.0[i]));
+                (a * leaf + b * (1.0 - leaf)) as u8
+            };
+            Straight([channel(0), channel(1), channel(2), 255])
+        };
+        photo.set(17, 19, mixed(0.5));
+        photo.set(17, 20, mixed(0.9));
+        let kept = shown(&photo, &mask, true);
+        assert!(kept.at(6, 20), "the rim");
+        assert!(!kept.at(19, 19) && !kept.at(17, 19) && kept.at(17, 20));
+        assert_eq!(kept.count(), 28 * 28 - 17);
     }
 
     #[test]

@@ -38,7 +38,7 @@ pub use cube_seam::cube_seam;
 pub use cubemap::{CubemapSettings, FoliageCubemap, extent_of, foliage_cubemap};
 pub use edge_statistic::{EdgeStatistic, edge_statistic};
 pub use exemplar::{Exemplar, ExemplarSettings, FEWEST_PIXELS, MOST_LEVELS};
-pub use photo_front::{CrownSurface, with_photo_front};
+pub use photo_front::CrownSurface;
 pub use seam::{Seam, Side, StepCost, seam};
 pub use statistics::{patch_distance, repeated_share};
 pub use texture::{SynthesisSettings, Texture, texture, texture_around};

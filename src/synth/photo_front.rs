@@ -1,42 +1,45 @@
-//! The photograph on the front of the crown, the synthesised foliage everywhere else.
+//! The photograph on the front of the crown, and foliage that grows out of it everywhere else.
 //!
-//! Each texel looks along its direction to the crown's surface and from there straight to the picture
-//! plane: that pixel of the photograph is what the photographer saw there. Where the surface faces the
-//! viewer the photograph stays; towards the silhouette, where it would be smeared, it must end; and in
-//! the wide band between, the cheapest seam over the texels of the cube ([`cube_seam`]) decides. Sky
-//! that shows through the crown, and what surrounds it, comes from the synthesised foliage too.
+//! Each direction leads to the crown's surface and from there straight to the picture plane: that pixel
+//! of the photograph is what the photographer saw there. Where the surface faces the viewer and the
+//! photograph shows leaves, it stays: those texels are known to the synthesis, which fills the gaps
+//! where sky showed through and continues the photograph over the rest of the crown. Around the border
+//! of what is known the synthesised foliage and the photograph's outermost part, which would be smeared
+//! towards the silhouette, are both there to choose from; the cheapest seam over the texels of the cube
+//! ([`cube_seam`]) decides.
 //!
-//! The synthesised foliage has some of the photograph's large-scale light taken out
-//! ([`super::ExemplarSettings::flatten`]); the photograph on the front loses it gradually towards the
-//! band, so that no step of brightness is left for the seam to hide.
+//! All of this is done with the large-scale light taken out
+//! ([`super::ExemplarSettings::flatten`]). In the end it is put back on the front, on the photograph and
+//! on what fills its gaps alike, and fades towards the border, where the crown goes on in even light.
 //!
-//! Source: the seam is that of Kwatra et al. 2003 on another graph; the rest is ours.
+//! Source: growing texture around given pixels is Lefebvre & Hoppe's correction with constraints, the
+//! seam that of Kwatra et al. 2003 on another graph; the rest is ours.
 
-use super::cube_seam::{chosen, cube_seam};
-use super::cubemap::FoliageCubemap;
+use super::cube_seam::cube_seam;
+use super::cubemap::ScaledPhoto;
+use super::exemplar::Exemplar;
 use super::seam::{Side, StepCost};
 use crate::base::{Cancel, Cancelled};
 use crate::geometry::Point;
-use crate::raster::{CubeFace, Cubemap, Image, Mask, Straight, dilated};
+use crate::raster::{CubeFace, Cubemap, Image, Mask, Straight};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Facing (normal · direction to the viewer) from which on the photograph stays: 0.85 is 32° off.
-/// Lower, and foreshortened leaves show at three-quarter view; higher, and less is left of the
-/// photograph.
-const SURELY_FRONT: f64 = 0.85;
+/// Facing (normal · direction to the viewer) from which on the photograph stays: 0.55 is 57° off, where
+/// it is drawn out to less than twice its width. Higher, and less is left of the photograph; lower, and
+/// smeared leaves show at three-quarter view.
+const SURELY_FRONT: f64 = 0.55;
 
-/// Facing below which the photograph is never taken: it is drawn out to more than three times its
-/// width there.
-const NEVER_FRONT: f64 = 0.3;
+/// Facing below which the photograph is never taken: it is drawn out to 2.5 times its width there.
+const NEVER_FRONT: f64 = 0.4;
 
-/// What a texel of the band costs that is not taken from the photograph although it could be, towards
-/// [`SURELY_FRONT`]; a step of a seam costs about a hundred between leaves. Without it the cheapest seam
-/// is the shortest, and the photograph shrinks to patches between gaps of sky.
-const MOST_PREFERRED: u8 = 60;
+/// Facing from which on the photograph has all of its own light; from there to [`SURELY_FRONT`] it fades.
+const OWN_LIGHT: f64 = 0.95;
 
-/// Pixels around sky in which the seam may run.
-const AROUND_SKY: u8 = 2;
+/// What a texel between [`NEVER_FRONT`] and [`SURELY_FRONT`] costs that is not taken from the
+/// photograph, towards the latter; a step of a seam costs about a hundred between leaves. Higher, and
+/// more is smeared; 0, and the cheapest seam is the shortest.
+const MOST_PREFERRED: f64 = 30.0;
 
 /// The surface of a crown without relief.
 #[derive(Debug, Clone, Copy)]
@@ -47,115 +50,156 @@ pub struct CrownSurface<'a> {
     pub radius: &'a Cubemap<f32>,
 }
 
-/// The colours of `foliage` with the photograph that it was made of on the front.
-///
-/// # Errors
-/// [`Cancelled`] when the work was asked to stop.
-pub fn with_photo_front(
-    foliage: &FoliageCubemap,
-    surface: CrownSurface<'_>,
-    cancel: &Cancel,
-) -> Result<Cubemap<Straight>, Cancelled> {
-    let photo = Front::new(foliage);
-    let size = foliage.color.size();
-    let row = |face: CubeFace, y: u32| {
-        cancel.check()?;
-        let texels = (0..size).map(|x| photo.texel(surface, face, [x, y], size));
-        Ok(texels.collect::<Vec<_>>())
-    };
-    let rows: Vec<Vec<Seen>> = (0..6 * size)
-        .into_par_iter()
-        .map(|index| row(CubeFace::ALL[(index / size) as usize], index % size))
-        .collect::<Result<_, Cancelled>>()?;
-    let seen = Cubemap::from_faces(std::array::from_fn(|face| {
-        let first = face * size as usize;
-        Image::from_pixels(size, size, rows[first..first + size as usize].concat())
-    }));
-    let (color, side) = (seen.map(|texel| texel.0), seen.map(|texel| texel.1));
-    let preference = seen.map(|texel| texel.2);
-    let (from_foliage, _) = cube_seam(
-        &color,
-        &foliage.color,
-        &side,
-        &preference,
-        StepCost::Difference,
-        cancel,
-    )?;
-    Ok(chosen(&color, &foliage.color, &from_foliage))
+impl CrownSurface<'_> {
+    /// How much the surface in every direction faces the viewer, −1 … 1, as a cubemap of `size` texels:
+    /// the z of its normal.
+    pub fn facing(&self, size: u32) -> Cubemap<f64> {
+        let centre = |i: u32| (2.0 * f64::from(i) + 1.0) / f64::from(size) - 1.0;
+        let texel = |face, x, y| facing(self.radius, face, [centre(x), centre(y)]);
+        Cubemap::from_faces(CubeFace::ALL.map(|face| {
+            let texels = (0..size).flat_map(|y| (0..size).map(move |x| (x, y)));
+            let pixels = texels.map(|(x, y)| texel(face, x, y)).collect();
+            Image::from_pixels(size, size, pixels)
+        }))
+    }
 }
 
-/// What the photograph shows in a texel; whether it may, must or must not be taken; and what it costs
-/// not to take it where it may.
-type Seen = (Straight, Side, u8);
+/// The photograph on the front of a crown, ready to be looked up.
+pub(super) struct Front<'a> {
+    photo: &'a ScaledPhoto,
+    exemplar: &'a Exemplar,
+    /// Where the scaled photograph shows the crown and no sky.
+    shown: Mask,
+    surface: CrownSurface<'a>,
+}
 
-/// A texel that the photograph does not show.
-const NOTHING: Seen = (Straight([0; 4]), Side::Second, 0);
-
-/// The photograph, ready to be looked up.
-struct Front<'a> {
-    foliage: &'a FoliageCubemap,
-    /// The photograph, its light evened out.
-    even: Image<Straight>,
-    /// Where leaves are, and no sky within [`AROUND_SKY`] pixels.
-    inner: Mask,
+/// What the front has in a direction.
+#[derive(Debug, Clone, Copy)]
+struct Seen {
+    /// The photograph's colour in even light, if it shows the crown there.
+    color: Option<Straight>,
+    /// What its place in the photograph has to be multiplied by to get its own light back.
+    light: [f32; 3],
+    facing: f64,
 }
 
 impl<'a> Front<'a> {
-    fn new(foliage: &'a FoliageCubemap) -> Self {
-        let leaves = foliage.exemplar.foliage();
-        let outside = dilated(&leaves.map(|&inside| !inside), AROUND_SKY);
-        let mut even = foliage.scaled.photo.clone();
-        let (picture, bounds) = (foliage.exemplar.picture(), foliage.exemplar.bounds());
-        for y in 0..bounds.height {
-            for x in 0..bounds.width {
-                if picture.at(x, y).alpha() > 0 {
-                    even.set(bounds.x + x, bounds.y + y, picture.at(x, y));
-                }
-            }
-        }
+    /// The front of `surface` in `photo`, of which `shown` may be used.
+    pub(super) fn new(
+        photo: &'a ScaledPhoto,
+        exemplar: &'a Exemplar,
+        shown: Mask,
+        surface: CrownSurface<'a>,
+    ) -> Self {
         Self {
-            foliage,
-            even,
-            inner: outside.map(|&outside| !outside),
+            photo,
+            exemplar,
+            shown,
+            surface,
         }
     }
 
-    /// What the photograph shows in a texel.
-    fn texel(
-        &self,
-        surface: CrownSurface<'_>,
-        face: CubeFace,
-        [x, y]: [u32; 2],
-        size: u32,
-    ) -> Seen {
-        let centre = |i: u32| (2.0 * f64::from(i) + 1.0) / f64::from(size) - 1.0;
-        let (u, v) = (centre(x), centre(y));
-        let facing = facing(surface.radius, face, [u, v]);
-        if facing <= NEVER_FRONT {
-            return NOTHING;
-        }
-        let point = position(surface.radius, face.direction(u, v));
-        let seen = Point::new(surface.center.x + point.x, surface.center.y - point.y);
-        let place = self.foliage.scaled.place(seen);
-        let near = |place: f64| libm::round(place) as i64;
-        let (column, row) = (near(place.x), near(place.y));
-        let leaves = self.foliage.exemplar.foliage();
-        if leaves.get(column, row) != Some(true) {
-            return NOTHING;
-        }
-        let evened = smooth_step((SURELY_FRONT + 0.1 - facing) / (SURELY_FRONT - NEVER_FRONT));
-        let colors = [&self.foliage.scaled.photo, &self.even];
-        let [raw, even] = colors.map(|image| bilinear(image, leaves, place));
-        let mixed = |c: usize| (raw[c] + (even[c] - raw[c]) * evened + 0.5) as u8;
-        let color = Straight([mixed(0), mixed(1), mixed(2), 255]);
-        let front = (facing - NEVER_FRONT) / (SURELY_FRONT - NEVER_FRONT);
-        let preference = f64::from(MOST_PREFERRED) * front.min(1.0);
-        let is_inner = self.inner.get(column, row) == Some(true);
-        match facing >= SURELY_FRONT && is_inner {
-            true => (color, Side::First, 0),
-            false => (color, Side::Either, preference as u8),
-        }
+    /// The photograph's colour in `direction`, in even light, where it surely stays.
+    pub(super) fn known(&self, direction: DVec3) -> Option<[u8; 3]> {
+        let (face, u, v) = CubeFace::of(direction);
+        let seen = self.seen(face, [u, v])?;
+        let Straight([r, g, b, _]) = seen.color.filter(|_| seen.facing >= SURELY_FRONT)?;
+        Some([r, g, b])
     }
+
+    /// The photograph over `grown`, which continues it; and which texels are the photograph's.
+    ///
+    /// # Errors
+    /// [`Cancelled`] when the work was asked to stop.
+    pub(super) fn laid_over(
+        &self,
+        grown: &Cubemap<Straight>,
+        cancel: &Cancel,
+    ) -> Result<(Cubemap<Straight>, Cubemap<bool>), Cancelled> {
+        let seen = self.cubemap(grown.size(), cancel)?;
+        let color = |seen: &Option<Seen>| seen.and_then(|seen| seen.color).unwrap_or_default();
+        let side = seen.map(|seen| match seen {
+            Some(seen) if seen.color.is_some() && seen.facing >= SURELY_FRONT => Side::First,
+            Some(seen) if seen.color.is_some() => Side::Either,
+            _ => Side::Second,
+        });
+        let preference = seen.map(|seen| {
+            let facing = seen.map_or(0.0, |seen| seen.facing);
+            let share = (facing - NEVER_FRONT) / (SURELY_FRONT - NEVER_FRONT);
+            (MOST_PREFERRED * share.clamp(0.0, 1.0)) as u8
+        });
+        let (photo, cost) = (seen.map(color), StepCost::Difference);
+        let (from_grown, _) = cube_seam(&photo, grown, &side, &preference, cost, cancel)?;
+        let faces = CubeFace::ALL.map(|face| {
+            let [photo, grown] = [&photo, grown].map(|map| map.face(face).pixels());
+            let chosen = photo.iter().zip(grown).zip(from_grown.face(face).pixels());
+            let chosen = chosen.map(|((&a, &b), &second)| if second { b } else { a });
+            let seen = seen.face(face).pixels().iter();
+            let lit = chosen.zip(seen).map(|(color, seen)| match seen {
+                Some(seen) => relit(color, seen.light),
+                None => color,
+            });
+            Image::from_pixels(from_grown.size(), from_grown.size(), lit.collect())
+        });
+        Ok((
+            Cubemap::from_faces(faces),
+            from_grown.map(|&second| !second),
+        ))
+    }
+
+    /// What the front has in every texel of a cubemap.
+    fn cubemap(&self, size: u32, cancel: &Cancel) -> Result<Cubemap<Option<Seen>>, Cancelled> {
+        let centre = |i: u32| (2.0 * f64::from(i) + 1.0) / f64::from(size) - 1.0;
+        let row = |face: CubeFace, y: u32| {
+            cancel.check()?;
+            let texels = (0..size).map(|x| self.seen(face, [centre(x), centre(y)]));
+            Ok(texels.collect::<Vec<_>>())
+        };
+        let rows: Vec<Vec<Option<Seen>>> = (0..6 * size)
+            .into_par_iter()
+            .map(|index| row(CubeFace::ALL[(index / size) as usize], index % size))
+            .collect::<Result<_, Cancelled>>()?;
+        Ok(Cubemap::from_faces(std::array::from_fn(|face| {
+            let first = face * size as usize;
+            Image::from_pixels(size, size, rows[first..first + size as usize].concat())
+        })))
+    }
+
+    /// What the front has in the direction of (u, v) of `face`; `None` where it faces the viewer too
+    /// little.
+    fn seen(&self, face: CubeFace, uv: [f64; 2]) -> Option<Seen> {
+        let facing = facing(self.surface.radius, face, uv);
+        if facing <= NEVER_FRONT {
+            return None;
+        }
+        let point = position(self.surface.radius, face.direction(uv[0], uv[1]));
+        let center = self.surface.center;
+        let place = self
+            .photo
+            .place(Point::new(center.x + point.x, center.y - point.y));
+        let near = |place: f64| libm::round(place) as i64;
+        let is_shown = self.shown.get(near(place.x), near(place.y)) == Some(true);
+        let gain = self.exemplar.gain(place);
+        let color = is_shown.then(|| {
+            let raw = bilinear(&self.photo.photo, &self.shown, place);
+            let [r, g, b] = [0, 1, 2].map(|i| (raw[i] as f32 * gain[i] + 0.5).min(255.0) as u8);
+            Straight([r, g, b, 255])
+        });
+        let faded = smooth_step((OWN_LIGHT - facing) / (OWN_LIGHT - SURELY_FRONT)) as f32;
+        Some(Seen {
+            color,
+            light: gain.map(|gain| faded + (1.0 - faded) / gain),
+            facing,
+        })
+    }
+}
+
+/// `color` with each channel multiplied by that of `light`.
+fn relit(color: Straight, light: [f32; 3]) -> Straight {
+    let Straight([r, g, b, alpha]) = color;
+    let [r, g, b] = [(r, 0), (g, 1), (b, 2)]
+        .map(|(value, i)| (f32::from(value) * light[i] + 0.5).min(255.0) as u8);
+    Straight([r, g, b, alpha])
 }
 
 /// The point of the surface in `direction`, from the centre, y up.

@@ -172,6 +172,39 @@ impl Wrapping {
         }
     }
 
+    /// The direction of a place in the box: the inverse of [`Wrapping::place`] on one face.
+    pub(super) fn direction(&self, face: CubeFace, x: f64, y: f64) -> DVec3 {
+        let share =
+            |texel: f64, size: u32| ((2.0 * texel + 1.0) / f64::from(size) - 1.0).clamp(-1.0, 1.0);
+        let LatticeSize { width, depth, .. } = self.size;
+        let [front, side] = &self.quarters;
+        let (u, v) = match face {
+            CubeFace::PosY | CubeFace::NegY => {
+                let half = &self.halves[usize::from(face == CubeFace::NegY)];
+                half.from_lid([share(x, width), share(y, depth)], [front, side])
+            }
+            CubeFace::PosZ | CubeFace::NegZ => self.from_rows(front.tangent(share(x, width)), y),
+            CubeFace::PosX | CubeFace::NegX => self.from_rows(side.tangent(share(x, depth)), y),
+        };
+        let squashed = face.direction(u, v);
+        let half = &self.halves[usize::from(squashed.y < 0.0)];
+        DVec3::new(
+            squashed.x,
+            squashed.y / half.squash,
+            squashed.z * self.depth / self.across,
+        )
+    }
+
+    /// The squashed place on a lateral face whose column is at `u`, for the row `y`.
+    fn from_rows(&self, u: f64, y: f64) -> (f64, f64) {
+        let up = self.halves[0].rim_from_equator();
+        let down = self.halves[1].rim_from_equator();
+        let from_equator = (y + 0.5) / f64::from(self.size.height) * (up + down) - up;
+        let half = &self.halves[usize::from(from_equator > 0.0)];
+        let level = half.level_at(from_equator.abs()).min(1.0);
+        (u, across_latitude(u, level).copysign(from_equator))
+    }
+
     /// The point of the surface in `direction`, pixels of the photograph from the centre.
     fn surface(&self, direction: DVec3) -> DVec3 {
         let vertical = self.halves[usize::from(direction.y < 0.0)].vertical;
@@ -284,6 +317,11 @@ impl Quarter {
         FRAC_PI_2 * (after as f64 - 1.0 + within) / INTERVALS as f64
     }
 
+    /// The tangent, −1 … 1, of a place among equal lengths as far as the corners.
+    fn tangent(&self, share: f64) -> f64 {
+        libm::tan(self.angle_at(share.abs() * self.to_corner)).copysign(share)
+    }
+
     /// The place, −1 … 1, of the tangent `u`, −1 … 1, among equal lengths as far as the corners.
     fn share(&self, u: f64) -> f64 {
         (self.to(libm::atan(u.abs())) / self.to_corner).copysign(u)
@@ -296,6 +334,18 @@ impl Quarter {
 fn along_latitude(u: f64, v: f64) -> f64 {
     let latitude = 1.0 / libm::sqrt(1.0 + u * u);
     v * (latitude + (1.0 - latitude) * v * v)
+}
+
+/// The inverse of [`along_latitude`] for 0 … 1.
+fn across_latitude(u: f64, level: f64) -> f64 {
+    let latitude = 1.0 / libm::sqrt(1.0 + u * u);
+    let mut v = level;
+    // Newton's method: convex and rising on 0 … 1, and `level` lies below the root.
+    for _ in 0..6 {
+        let excess = v * (latitude + (1.0 - latitude) * v * v) - level;
+        v -= excess / (latitude + 3.0 * (1.0 - latitude) * v * v);
+    }
+    v
 }
 
 /// The upper or the lower half of a crown: half an ellipsoid. Lengths along its meridians are those of
@@ -339,6 +389,30 @@ impl Half {
     fn length_from_equator(&self, v: f64) -> f64 {
         let angle = libm::atan2(self.tangent, v);
         self.meridian.whole() - self.meridian.to(angle)
+    }
+
+    /// The place, 0 … 1, on a squashed lateral face at `length` from the equator.
+    fn level_at(&self, length: f64) -> f64 {
+        let angle = self.meridian.angle_at(self.meridian.whole() - length);
+        self.tangent / libm::tan(angle)
+    }
+
+    /// The squashed place on the lid of `shares` of its two sides, of which the edges are `quarters`.
+    fn from_lid(&self, shares: [f64; 2], quarters: [&Quarter; 2]) -> (f64, f64) {
+        let place = |i: usize, u: f64, other: f64| self.on_lid(u, other, quarters[i].share(u));
+        let mut at = shares;
+        // The two ways hardly depend on each other, and each is nearly straight: a few steps of
+        // the secant's method settle both.
+        for _ in 0..8 {
+            for i in 0..2 {
+                let (here, other) = (at[i], at[1 - i]);
+                let ahead = here - 1e-3_f64.copysign(here);
+                let slope = (place(i, here, other) - place(i, ahead, other)) / (here - ahead);
+                let missing = shares[i] - place(i, here, other);
+                at[i] = (here + missing / slope.max(0.1)).clamp(-1.0, 1.0);
+            }
+        }
+        (at[0], at[1])
     }
 
     /// The place on the lid, −1 … 1, of `u` on the squashed face, `other` being the other way, where
@@ -388,6 +462,41 @@ mod tests {
         let photo = Extent::ball(100.0);
         let scale = Wrapping::new(photo, 256).texels_per_pixel();
         assert!((scale - 256.0 / (100.0 * FRAC_PI_2)).abs() < 1e-3);
+    }
+
+    #[test]
+    fn directions_and_places_are_inverse() {
+        let tall = Extent {
+            across: 40.0,
+            depth: 30.0,
+            up: 90.0,
+            down: 50.0,
+        };
+        for wrapping in [Wrapping::round(64), Wrapping::new(tall, 128)] {
+            let LatticeSize {
+                width,
+                depth,
+                height,
+            } = wrapping.size();
+            for face in CubeFace::ALL {
+                let [columns, rows] = match face {
+                    CubeFace::PosY | CubeFace::NegY => [width, depth],
+                    CubeFace::PosZ | CubeFace::NegZ => [width, height],
+                    CubeFace::PosX | CubeFace::NegX => [depth, height],
+                };
+                for x in 0..columns {
+                    for y in 0..rows {
+                        let (x, y) = (f64::from(x), f64::from(y));
+                        let (found, u, v) = wrapping.place(wrapping.direction(face, x, y));
+                        assert_eq!(found, face);
+                        assert!(
+                            (u - x).abs() < 0.01 && (v - y).abs() < 0.01,
+                            "{x} {y} {u} {v}"
+                        );
+                    }
+                }
+            }
+        }
     }
 
     /// Texels in the box for a step on the surface of one texel's size, along `along`.

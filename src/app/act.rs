@@ -2,6 +2,7 @@
 
 use super::action::{Action, Answer, Gesture, Pen};
 use super::commands::Command;
+use super::live::LiveAction;
 use super::studio::{Effect, Next, Painting, Question, Severity, Studio, Tool};
 use crate::document::store::{OnDisk, Over, on_disk};
 use crate::document::{Document, Edit, EditError, PhotoId};
@@ -46,8 +47,10 @@ impl Studio {
             Action::CancelJob(job) => self.jobs.cancel(job),
             Action::PauseJob(job, is_paused) => self.jobs.set_paused(job, is_paused),
             Action::Answer(answer) => self.answer(answer),
+            Action::Live(action) => self.act_live(action),
             Action::DismissNotice(id) => self.notices.retain(|notice| notice.id != id),
         }
+        self.follow_live();
     }
 
     /// Something of the project may look different now.
@@ -106,6 +109,9 @@ impl Studio {
             Command::ToggleMask => self.shows_mask = !self.shows_mask,
             Command::ToggleTheme => self.preferences.is_dark = !self.preferences.is_dark,
             Command::RestoreLayout => self.effects.push(Effect::RestoreLayout),
+            Command::FrameTree => self.effects.push(Effect::FrameTree),
+            Command::Turntable => self.live.is_turning = !self.live.is_turning,
+            Command::Draw(drawn) => self.act_live(LiveAction::Draw(drawn)),
             Command::Palette => self.effects.push(Effect::TogglePalette),
             Command::ShortcutSheet => self.effects.push(Effect::ToggleShortcutSheet),
             Command::About => self.effects.push(Effect::ToggleAbout),

@@ -1,6 +1,7 @@
 //! What panels, keys and menus ask the studio to do.
 
 use super::commands::Command;
+use super::live::LiveAction;
 use super::studio::{Tool, Workspace};
 use crate::document::{Edit, PhotoId, ViewState};
 use crate::jobs::JobId;
@@ -69,6 +70,8 @@ pub enum Action {
     PauseJob(JobId, bool),
     /// The question in the middle of the window is answered.
     Answer(Answer),
+    /// Something about the crown and its view.
+    Live(LiveAction),
     /// A line at the bottom of the window was read.
     DismissNotice(u64),
 }

@@ -16,6 +16,7 @@ mod action;
 mod commands;
 mod dock;
 mod files;
+mod live;
 mod outcome;
 mod palette;
 mod panels;
@@ -29,5 +30,6 @@ mod theme;
 
 pub use action::{Action, Gesture};
 pub use commands::{Command, Menu};
+pub use live::{Drawn, LiveAction};
 pub use shell::{Shell, StartError, run};
 pub use studio::{Studio, Workspace};

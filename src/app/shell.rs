@@ -129,7 +129,9 @@ impl Shell {
         match effect {
             Effect::AskWhatToOpen => self.dialogs.ask(Purpose::Open, ctx),
             Effect::AskWhereToSave => self.dialogs.ask(Purpose::Save, ctx),
-            Effect::ZoomToFit | Effect::ZoomToPixels => self.panels.perform(&effect),
+            Effect::ZoomToFit | Effect::ZoomToPixels | Effect::FrameTree => {
+                self.panels.perform(&effect)
+            }
             Effect::RestoreLayout => self.layouts = Layouts::default(),
             Effect::TogglePalette => self.palette.toggle(),
             Effect::ToggleShortcutSheet => self.shows_shortcuts = !self.shows_shortcuts,
@@ -192,7 +194,7 @@ impl eframe::App for Shell {
         }
     }
 
-    fn ui(&mut self, ui: &mut Ui, frame: &mut eframe::Frame) {
+    fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
         let ctx = ui.ctx().clone();
         let theme = if self.studio.preferences.is_dark {
             egui::Theme::Dark
@@ -203,7 +205,6 @@ impl eframe::App for Shell {
             ctx.set_theme(theme);
         }
         self.keep_title(&ctx);
-        self.panels.prepare(frame, &self.studio);
         let mut actions = Vec::new();
         let is_free = self.studio.question().is_none();
         if is_free {

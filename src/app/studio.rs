@@ -1,5 +1,6 @@
 //! What the studio knows: the project, what it shows, the tools in hand, the jobs. No window.
 
+use super::live::Live;
 use super::outcome::Outcome;
 use super::photos::Photos;
 use super::preferences::Preferences;
@@ -148,6 +149,8 @@ pub(super) enum Effect {
     ZoomToFit,
     /// Shows each pixel on one of the screen.
     ZoomToPixels,
+    /// Shows the whole tree.
+    FrameTree,
     /// Puts all panels back.
     RestoreLayout,
     /// Opens the command palette or closes it.
@@ -186,6 +189,7 @@ pub struct Studio {
     pub(super) photos: Photos,
     pub(super) tools: Tools,
     pub(super) painting: Option<Painting>,
+    pub(super) live: Live,
     pub(super) workspace: Workspace,
     pub(super) shows_mask: bool,
     pub(super) preferences: Preferences,
@@ -220,6 +224,7 @@ impl Studio {
             photos: Photos::default(),
             tools: Tools::default(),
             painting: None,
+            live: Live::default(),
             workspace: Workspace::default(),
             shows_mask: true,
             preferences,

@@ -31,6 +31,5 @@ pub use format::{FormatError, VERSION};
 pub use history::Changed;
 pub use project::{Document, Snapshot};
 pub use settings::{
-    Coloring, CrownSettings, ExemplarWeight, Favourite, Tangent, VariationSettings,
-    ViewState,
+    Coloring, CrownSettings, ExemplarWeight, Favourite, Tangent, VariationSettings, ViewState,
 };

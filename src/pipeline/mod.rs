@@ -3,10 +3,12 @@
 //! The command line and the studio call the same functions here with the same settings, so that
 //! the same inputs give the same bytes.
 //!
-//! Imports `base`, `raster`, `geometry`, `crown`, `synth`, `scene`.
+//! Imports `base`, `raster`, `geometry`, `paint`, `crown`, `synth`, `scene`, `document` (settings).
 
 mod crown;
 mod frame;
+mod live;
+mod request;
 mod tree_maps;
 
 pub use crown::{
@@ -14,4 +16,6 @@ pub use crown::{
     crown_of_regions, crown_shape,
 };
 pub use frame::CrownFrame;
+pub use live::{LiveCrown, LiveInput, LiveResult, Quality};
+pub use request::CrownRequest;
 pub use tree_maps::{DEPTH_SHARE, TreeMaps, tree_maps};

@@ -51,7 +51,7 @@ fn project() -> Document {
         .unwrap();
     let crown = CrownSettings {
         k: Tangent::Profile(vec![(0.0, 1.5), (0.5, 3.0)]),
-        relief: 0.1,
+        rho: 0.1,
         sub_crown_depths: [(3, 0.25)].into(),
         ..CrownSettings::default()
     };

@@ -2,6 +2,7 @@
 
 use super::action::{Action, Answer, Gesture, Pen};
 use super::commands::Command;
+use super::live::LiveAction;
 use super::studio::{Effect, Next, Question, Severity, Studio};
 use super::tools::Overlay;
 use crate::document::store::Over;
@@ -55,8 +56,10 @@ impl Studio {
             Action::PauseJob(job, is_paused) => self.jobs.set_paused(job, is_paused),
             Action::Answer(answer) => self.answer(answer),
             Action::TourSeen => self.preferences.tour_was_seen = true,
+            Action::Live(action) => self.act_live(action),
             Action::DismissNotice(id) => self.notices.retain(|notice| notice.id != id),
         }
+        self.follow_live();
     }
 
     /// Something of the project may look different now.
@@ -134,6 +137,9 @@ impl Studio {
             Command::Overlay(overlay) => self.toggle_overlay(overlay),
             Command::ToggleTheme => self.preferences.is_dark = !self.preferences.is_dark,
             Command::RestoreLayout => self.effects.push(Effect::RestoreLayout),
+            Command::FrameTree => self.effects.push(Effect::FrameTree),
+            Command::Turntable => self.live.is_turning = !self.live.is_turning,
+            Command::Draw(drawn) => self.act_live(LiveAction::Draw(drawn)),
             Command::Palette => self.effects.push(Effect::TogglePalette),
             Command::ShortcutSheet => self.effects.push(Effect::ToggleShortcutSheet),
             Command::Tour => self.effects.push(Effect::StartTour),

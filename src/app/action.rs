@@ -1,6 +1,7 @@
 //! What panels, keys and menus ask the studio to do.
 
 use super::commands::Command;
+use super::live::LiveAction;
 use super::mask_action::MaskAction;
 use super::studio::Workspace;
 use super::tools::Tool;
@@ -75,6 +76,8 @@ pub enum Action {
     Answer(Answer),
     /// The tour was walked or skipped: it does not begin by itself again.
     TourSeen,
+    /// Something about the crown and its view.
+    Live(LiveAction),
     /// A line at the bottom of the window was read.
     DismissNotice(u64),
 }

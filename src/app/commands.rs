@@ -4,6 +4,7 @@
 //! shortcut sheet and keyboard all read it. To add one: give it a variant, a row, and an arm in
 //! [`super::act`].
 
+use super::live::Drawn;
 use super::mask_action::MaskCommand;
 use super::studio::Workspace;
 use super::tools::{Overlay, Tool};
@@ -113,6 +114,12 @@ pub enum Command {
     Overlay(Overlay),
     /// Shows the labels over the photograph or hides them.
     ToggleMask,
+    /// Shows the whole tree.
+    FrameTree,
+    /// Turns the tree round and round.
+    Turntable,
+    /// Draws the crown in this way.
+    Draw(Drawn),
     /// Dark or light.
     ToggleTheme,
     /// Puts all panels where they came from.
@@ -224,6 +231,12 @@ pub const TABLE: &[Row] = &[
     row(Command::Overlay(Overlay::Pins), Menu::View, "Pins", "Shows the foot of the tree and the shoulders of its trunk: the places that match on all trees.", SHIFT, Key::T),
     row(Command::Overlay(Overlay::Baseline), Menu::View, "Baseline", "Shows where the crown begins above the trunk.", SHIFT, Key::B),
     row(Command::ToggleMask, Menu::View, "Mask Tint", "Shows the labels over the photograph, or hides them.", NONE, Key::Q),
+    row(Command::FrameTree, Menu::Tree, "Frame Tree", "Moves the camera so that the whole tree is seen.", NONE, Key::F),
+    row(Command::Turntable, Menu::Tree, "Turntable", "Turns the tree round and round, or stops it.", NONE, Key::T),
+    row(Command::Draw(Drawn::Relief), Menu::Tree, "Draw Relief", "Draws the surface of the crown with its relief.", NONE, Key::F5),
+    row(Command::Draw(Drawn::Leaves), Menu::Tree, "Draw Leaves", "Draws the crown with twigs and leaves.", NONE, Key::F6),
+    row(Command::Draw(Drawn::Mesh), Menu::Tree, "Draw Mesh", "Draws the triangles of the crown's surface.", NONE, Key::F7),
+    row(Command::Draw(Drawn::Wireframe), Menu::Tree, "Draw Wireframe", "Draws the triangles with their edges.", NONE, Key::F8),
     row(Command::ToggleTheme, Menu::View, "Dark or Light", "Changes between the dark and the light theme.", COMMAND_SHIFT, Key::L),
     row(Command::RestoreLayout, Menu::View, "Restore Default Layout", "Puts all panels back where they came from.", COMMAND_SHIFT, Key::R),
     row(Command::Palette, Menu::Help, "Command Palette…", "Finds any command by its name.", COMMAND_SHIFT, Key::P),

@@ -17,6 +17,7 @@ mod action;
 mod commands;
 mod dock;
 mod files;
+mod live;
 mod mask_action;
 mod mask_jobs;
 mod outcome;
@@ -35,6 +36,7 @@ mod tour;
 
 pub use action::{Action, Answer, Gesture, Pen};
 pub use commands::{Command, Menu, Row, TABLE};
+pub use live::{Drawn, LiveAction};
 pub use mask_action::{MaskAction, MaskCommand};
 pub use preferences::{Navigation, Preferences};
 pub use shell::{Shell, StartError, run};

@@ -1,5 +1,6 @@
 //! The jobs of the window, and what becomes of their results.
 
+use super::live::LiveOutcome;
 use super::mask_jobs::MaskResult;
 use super::photos::{THUMBNAIL_PX, Thumbnail};
 use super::studio::{Effect, Question, Severity, Studio};
@@ -43,6 +44,8 @@ pub(super) enum Outcome {
     Reduced(Digest, Arc<Pyramid>),
     /// Something about a mask.
     Mask(MaskResult),
+    /// About the crown.
+    Live(LiveOutcome),
 }
 
 /// A picture that was read from a file.
@@ -64,11 +67,17 @@ impl Studio {
             self.take(message);
             took = true;
         }
+        if took {
+            self.follow_live();
+        }
         self.autosave_if_due();
         took
     }
 
     fn take(&mut self, message: Message<Outcome>) {
+        if matches!(message.report, Report::Ended(_)) {
+            self.live_job_ended(message.id);
+        }
         match message.report {
             Report::Partial(outcome) | Report::Ended(Ok(outcome)) => self.accept(outcome),
             Report::Ended(Err(JobError::Cancelled(_))) => {}
@@ -91,6 +100,7 @@ impl Studio {
             Outcome::Recovered(left, decoded) => self.recovered(left, *decoded),
             Outcome::Saved(path, stamp, revision) => self.saved(path, stamp, revision),
             Outcome::NotSaved(error) => self.not_saved(error),
+            Outcome::Live(outcome) => self.accept_live(outcome),
             Outcome::Autosaved(revision) => self.autosave_clock.wrote(revision),
             Outcome::Looked(path, on_disk) => self.looked(&path, on_disk),
             Outcome::Discarded(folder) => self.recoverable.retain(|left| left.folder != folder),

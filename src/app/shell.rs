@@ -146,7 +146,7 @@ impl Shell {
             Effect::AskWhereToSave => self.dialogs.ask(Purpose::Save, ctx),
             Effect::AskWhichMask => self.dialogs.ask(Purpose::ImportMask, ctx),
             Effect::AskWhereToExportMask => self.dialogs.ask(Purpose::ExportMask, ctx),
-            Effect::ZoomToFit | Effect::ZoomToPixels | Effect::ZoomBy(_) => {
+            Effect::ZoomToFit | Effect::ZoomToPixels | Effect::ZoomBy(_) | Effect::FrameTree => {
                 self.panels.perform(&effect);
             }
             Effect::RestoreLayout => self.layouts = Layouts::default(),
@@ -220,7 +220,7 @@ impl eframe::App for Shell {
         }
     }
 
-    fn ui(&mut self, ui: &mut Ui, frame: &mut eframe::Frame) {
+    fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
         let ctx = ui.ctx().clone();
         let theme = if self.studio.preferences.is_dark {
             egui::Theme::Dark
@@ -231,7 +231,6 @@ impl eframe::App for Shell {
             ctx.set_theme(theme);
         }
         self.keep_title(&ctx);
-        self.panels.prepare(frame, &self.studio);
         let mut actions = Vec::new();
         let is_free = self.studio.question().is_none();
         if is_free {

@@ -2,6 +2,7 @@
 
 use super::act_mask::MaskWork;
 use super::commands::Command;
+use super::live::Live;
 use super::outcome::Outcome;
 use super::photos::Photos;
 use super::preferences::Preferences;
@@ -115,6 +116,8 @@ pub(super) enum Effect {
     AskWhichMask,
     /// Shows the file dialog for a mask to write.
     AskWhereToExportMask,
+    /// Shows the whole tree.
+    FrameTree,
     /// Puts all panels back.
     RestoreLayout,
     /// Opens the command palette or closes it.
@@ -157,6 +160,7 @@ pub struct Studio {
     pub(super) photos: Photos,
     pub(super) tools: Tools,
     pub(super) painting: Option<Painting>,
+    pub(super) live: Live,
     pub(super) workspace: Workspace,
     pub(super) mask_work: MaskWork,
     pub(super) preferences: Preferences,
@@ -193,6 +197,7 @@ impl Studio {
             photos: Photos::default(),
             tools: Tools::default(),
             painting: None,
+            live: Live::default(),
             workspace: Workspace::default(),
             mask_work: MaskWork::default(),
             preferences,

@@ -12,7 +12,7 @@
 //!
 //! Files are opened in `store` only; the rest is bytes to bytes.
 //!
-//! Imports `base`, `raster`, `paint`.
+//! Imports `base`, `raster`, `paint`, `crown` (settings of the relief).
 
 mod content;
 mod edit;
@@ -31,6 +31,5 @@ pub use format::{FormatError, VERSION};
 pub use history::Changed;
 pub use project::{Document, Snapshot};
 pub use settings::{
-    Coloring, CrownMethod, CrownSettings, ExemplarWeight, Favourite, Tangent, VariationSettings,
-    ViewState,
+    Coloring, CrownSettings, ExemplarWeight, Favourite, Tangent, VariationSettings, ViewState,
 };

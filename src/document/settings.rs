@@ -1,35 +1,24 @@
 //! What a user sets: the crown of each photograph, the variations, and the view.
 //!
-//! The fields are the parameters of the command line under the same names. They are plain data that
-//! says what is wanted; the pipeline turns them into the settings of `crown` and `variation`, and
-//! that is the one place to change when those grow.
+//! The fields are the parameters of the command line under the same names and with the same defaults.
+//! They are plain data that says what is wanted; the pipeline turns them into the settings of `crown`
+//! and `variation`, and that is the one place to change when those grow.
 
 use super::content::PhotoId;
+use crate::crown::ReliefSettings;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// Longest expression of a tangent, characters.
 const LONGEST_EXPRESSION: usize = 1000;
 
-/// How a mask becomes a base mesh.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum CrownMethod {
-    /// The bilaplacian's linear system.
-    #[default]
-    Bilaplacian,
-    /// Radii of the silhouette.
-    Radial,
-    /// The distance from the silhouette.
-    Distance,
-    /// The bilaplacian by iteration.
-    Iterative,
-}
-
 /// The tangent k at the silhouette.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Tangent {
+    /// Whatever makes the crown as deep as it is wide.
+    #[default]
+    Automatic,
     /// An expression in i and j, both 0…1 over the crown's bounds from the upper left; `3` is one.
     /// Whether it can be evaluated shows when it is: half-typed ones are saved as they stand.
     Expression(String),
@@ -38,28 +27,19 @@ pub enum Tangent {
     Profile(Vec<(f64, f64)>),
 }
 
-impl Default for Tangent {
-    fn default() -> Self {
-        Self::Expression("2".to_owned())
-    }
-}
-
 /// How a photograph becomes a crown.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct CrownSettings {
-    /// How the mask is inflated.
-    pub method: CrownMethod,
     /// k(i, j).
     pub k: Tangent,
-    /// Side of the grid that the mask is inflated on, pixels.
+    /// Texels along a face of the crown's cubemaps, and pixels along the longer side of the mask that
+    /// is inflated; a multiple of 16 from 32 to 1024.
     pub size: u32,
-    /// ρ, the share of the radius that the relief takes, 0…1.
-    pub relief: f64,
-    /// Weights of the relief's levels, coarse to fine.
-    pub level_weights: Vec<f64>,
-    /// Whether the large-scale light is taken out before the relief is found.
-    pub light_removed: bool,
+    /// ρ, how far the relief moves the surface, as a share of the radius, 0…1.5.
+    pub rho: f64,
+    /// How light becomes relief.
+    pub relief: ReliefSettings,
     /// Rotated copies that are merged.
     pub copies: u32,
     /// Whether the front shows the photograph itself.
@@ -73,12 +53,10 @@ pub struct CrownSettings {
 impl Default for CrownSettings {
     fn default() -> Self {
         Self {
-            method: CrownMethod::default(),
             k: Tangent::default(),
             size: 256,
-            relief: 0.2,
-            level_weights: vec![0.4, 0.3, 0.2, 0.1],
-            light_removed: true,
+            rho: 0.25,
+            relief: ReliefSettings::default(),
             copies: 1,
             photo_front: false,
             sub_crown_depths: BTreeMap::new(),
@@ -92,6 +70,7 @@ impl CrownSettings {
     pub(super) fn complaint(&self) -> Option<&'static str> {
         let is_share = |value: &f64| (0.0..=1.0).contains(value);
         let k_is_good = match &self.k {
+            Tangent::Automatic => true,
             Tangent::Expression(text) => text.chars().count() <= LONGEST_EXPRESSION,
             Tangent::Profile(points) => {
                 let ascending = points.windows(2).all(|pair| pair[0].0 < pair[1].0);
@@ -101,17 +80,13 @@ impl CrownSettings {
         };
         let rules = [
             (k_is_good, "k is too long or its profile is not ascending"),
-            ((8..=4096).contains(&self.size), "size is not in 8…4096"),
-            (is_share(&self.relief), "relief is not in 0…1"),
             (
-                (1..=16).contains(&self.level_weights.len())
-                    && self
-                        .level_weights
-                        .iter()
-                        .all(|w| w.is_finite() && *w >= 0.0),
-                "level weights are none, too many or negative",
+                (32..=1024).contains(&self.size) && self.size.is_multiple_of(16),
+                "size is not a multiple of 16 in 32…1024",
             ),
-            ((1..=64).contains(&self.copies), "copies are not in 1…64"),
+            ((0.0..=1.5).contains(&self.rho), "rho is not in 0…1.5"),
+            (self.relief.check().is_ok(), "the relief is out of range"),
+            ((1..=16).contains(&self.copies), "copies are not in 1…16"),
             (
                 self.sub_crown_depths
                     .values()
@@ -253,7 +228,7 @@ pub struct ViewState {
     pub sun_deg: (f64, f64),
     /// Camera: yaw and pitch, degrees.
     pub camera_deg: (f64, f64),
-    /// Camera: distance from the crown's centre in crown radii.
+    /// Camera: its distance as a share of the one at which the whole tree just fits the view.
     pub distance: f64,
     /// The canvas's middle in the photograph, pixels.
     pub canvas_center: (f64, f64),
@@ -265,9 +240,9 @@ impl Default for ViewState {
     fn default() -> Self {
         Self {
             photo: None,
-            sun_deg: (30.0, 45.0),
-            camera_deg: (0.0, 10.0),
-            distance: 3.0,
+            sun_deg: (-42.0, 48.0),
+            camera_deg: (0.0, 6.0),
+            distance: 1.0,
             canvas_center: (0.0, 0.0),
             canvas_zoom: 1.0,
         }

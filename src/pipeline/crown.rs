@@ -11,7 +11,7 @@
 use super::frame::{CrownFrame, Volume, union};
 use crate::base::{Cancel, Cancelled, Progress, Seed};
 use crate::crown::{
-    BaseMeshError, Domain, Envelope, Inflation, InflationError, Method, RadiusError,
+    BaseMeshError, Domain, Envelope, Inflation, InflationError, Method, ProfileError, RadiusError,
     ReliefSettings, SettingError, SubCrown, Tangent, TangentError, crown_center, height_cubemap,
     into_world, merged_radius_cubemap, radius_with_relief, sheet_surface, sub_crowns_merged,
     turned_copies, without_steep_walls,
@@ -100,6 +100,9 @@ pub enum CrownError {
     /// k cannot be used.
     #[error(transparent)]
     Tangent(#[from] TangentError),
+    /// k along the silhouette cannot be used.
+    #[error(transparent)]
+    Profile(#[from] ProfileError),
     /// The mesh has no surface around its centre.
     #[error(transparent)]
     Radius(#[from] RadiusError),
@@ -329,7 +332,11 @@ pub fn colored_surface(
     )
 }
 
-fn check(photo: &Image<Straight>, mask: &Mask, settings: &CrownSettings) -> Result<(), CrownError> {
+pub(super) fn check(
+    photo: &Image<Straight>,
+    mask: &Mask,
+    settings: &CrownSettings,
+) -> Result<(), CrownError> {
     settings.check()?;
     let sizes = [
         [photo.width(), photo.height()],
@@ -345,7 +352,7 @@ fn check(photo: &Image<Straight>, mask: &Mask, settings: &CrownSettings) -> Resu
 }
 
 /// From the crown's centre to the surface of all copies, metres.
-fn base_radius(
+pub(super) fn base_radius(
     shape: &CrownShape,
     settings: &CrownSettings,
     cancel: &Cancel,
@@ -357,7 +364,7 @@ fn base_radius(
 }
 
 /// The stage `foliage`: colours around a shape and its radius.
-fn colored(
+pub(super) fn colored(
     photo: &Image<Straight>,
     mask: &Mask,
     (shape, base_m): (CrownShape, Cubemap<f32>),
@@ -414,28 +421,56 @@ pub fn crown_shape(
     progress: Progress<'_>,
     cancel: &Cancel,
 ) -> Result<CrownShape, CrownError> {
-    let volume =
-        Volume::new(mask, settings.size, &settings.envelope).ok_or(InflationError::Empty)?;
-    let center = crown_center(&volume.mask).ok_or(InflationError::Empty)?;
-    let frame = CrownFrame::new(&volume.mask, settings.height_m, settings.base_m());
-    let inflation = Inflation::new(Domain::new(&volume.mask)?, progress, cancel)?;
-    let bounds = inflation.domain().bounds();
-    let k = match &settings.k {
-        Some(tangent) => tangent.on_ring(inflation.domain())?,
-        None => k_of_depth(&inflation, f64::from(bounds.width) / 2.0, cancel)?,
-    };
-    let pixels = sheet_surface(&inflation.sheet(&k, cancel)?, &k);
-    let in_photo = |length: f64| length / volume.scale;
-    Ok(CrownShape {
-        base_mesh: into_world(&pixels, bounds, frame.metres_per_pixel, frame.base_m),
-        frame,
-        photo_center: volume.photo_from_mask(center),
-        photo_px_per_m: in_photo(1.0 / frame.metres_per_pixel),
-    })
+    Inflated::new(mask, settings, progress, cancel)?.shape(settings, cancel)
+}
+
+/// A mask that is ready for any k.
+pub(super) struct Inflated {
+    volume: Volume,
+    inflation: Inflation,
+}
+
+impl Inflated {
+    /// Prepares `mask` at the size and with the envelope of `settings`; nothing else of them counts.
+    pub(super) fn new(
+        mask: &Mask,
+        settings: &CrownSettings,
+        progress: Progress<'_>,
+        cancel: &Cancel,
+    ) -> Result<Self, CrownError> {
+        let volume =
+            Volume::new(mask, settings.size, &settings.envelope).ok_or(InflationError::Empty)?;
+        let inflation = Inflation::new(Domain::new(&volume.mask)?, progress, cancel)?;
+        Ok(Self { volume, inflation })
+    }
+
+    /// The base mesh for the k of `settings`, as large as they say.
+    pub(super) fn shape(
+        &self,
+        settings: &CrownSettings,
+        cancel: &Cancel,
+    ) -> Result<CrownShape, CrownError> {
+        let Self { volume, inflation } = self;
+        let center = crown_center(&volume.mask).ok_or(InflationError::Empty)?;
+        let frame = CrownFrame::new(&volume.mask, settings.height_m, settings.base_m());
+        let bounds = inflation.domain().bounds();
+        let k = match &settings.k {
+            Some(tangent) => tangent.on_ring(inflation.domain())?,
+            None => k_of_depth(inflation, f64::from(bounds.width) / 2.0, cancel)?,
+        };
+        let pixels = sheet_surface(&inflation.sheet(&k, cancel)?, &k);
+        let in_photo = |length: f64| length / volume.scale;
+        Ok(CrownShape {
+            base_mesh: into_world(&pixels, bounds, frame.metres_per_pixel, frame.base_m),
+            frame,
+            photo_center: volume.photo_from_mask(center),
+            photo_px_per_m: in_photo(1.0 / frame.metres_per_pixel),
+        })
+    }
 }
 
 /// The merged `regions`, whose masks are `masks`, without relief and copies.
-fn shape_of_regions(
+pub(super) fn shape_of_regions(
     regions: &[SubCrown],
     masks: &[&Mask],
     settings: &CrownSettings,

@@ -4,11 +4,13 @@
 //! the same inputs give the same bytes.
 //!
 //! Imports `base`, `raster`, `geometry`, `contour`, `segment`, `paint`, `variation`, `crown`, `synth`,
-//! `scene`.
+//! `scene`, `document` (settings).
 
 mod crown;
 mod frame;
+mod live;
 mod picture_shape;
+mod request;
 mod tree_maps;
 
 pub use crown::{
@@ -16,5 +18,7 @@ pub use crown::{
     crown_of_regions, crown_shape,
 };
 pub use frame::CrownFrame;
+pub use live::{LiveCrown, LiveInput, LiveResult, Quality};
 pub use picture_shape::{PictureShape, picture_shape};
+pub use request::CrownRequest;
 pub use tree_maps::{DEPTH_SHARE, TreeMaps, tree_maps};

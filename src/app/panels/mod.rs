@@ -6,6 +6,7 @@ mod crown;
 mod gallery;
 mod jobs;
 mod pictures;
+pub(super) mod screen;
 mod variation;
 mod view;
 
@@ -37,11 +38,6 @@ impl Panels {
         }
     }
 
-    /// What must be done once a frame before anything is drawn.
-    pub(super) fn prepare(&mut self, frame: &mut eframe::Frame, studio: &Studio) {
-        self.view.prepare(frame, studio);
-    }
-
     pub(super) fn show(
         &mut self,
         pane: Pane,
@@ -62,6 +58,7 @@ impl Panels {
 
     pub(super) fn perform(&mut self, effect: &Effect) {
         self.canvas.perform(effect);
+        self.view.perform(effect);
     }
 }
 

@@ -87,7 +87,7 @@ fn a_gesture_without_effect_keeps_what_can_be_redone() {
     document.undo().unwrap();
     document.begin("Slider");
     let other = CrownSettings {
-        relief: 0.9,
+        rho: 0.9,
         ..CrownSettings::default()
     };
     document
@@ -252,7 +252,7 @@ fn random_edit(document: &Document, kind: u8, which: u32, value: u32) -> Edit {
         4 => Edit::SetCrown(
             id,
             Box::new(CrownSettings {
-                relief: share * 1.1,
+                rho: share * 1.1,
                 copies: value % 5,
                 sub_crown_depths: [(3, share)].into(),
                 ..CrownSettings::default()

@@ -54,6 +54,11 @@ pub struct Shown<'a> {
     pub is_final: bool,
 }
 
+impl Shown<'_> {
+    /// How the picture is to be sampled.
+    pub const FILTER: wgpu::FilterMode = wgpu::FilterMode::Linear;
+}
+
 /// How far the final picture is.
 #[derive(Debug)]
 enum Refining {

@@ -1,0 +1,195 @@
+//! Where the crown's picture comes from: the window's graphics card, or the processor.
+
+use super::super::action::Action;
+use super::super::live::{Drawn, LiveAction, PictureRequest, ShownCrown};
+use super::super::studio::Studio;
+use super::color_image;
+use crate::render::{
+    Gpu, LeafSet, Mode, PreparedMesh, RenderError, RenderSettings, SceneView, Shown, View, Viewport,
+};
+use crate::scene::{Camera, CrownInstance, Light};
+use eframe::egui_wgpu::RenderState;
+use egui::{TextureHandle, TextureId, TextureOptions};
+use std::sync::Arc;
+
+/// Longest side of a picture of the processor, pixels.
+const CPU_PX: f32 = 420.0;
+
+/// Shows pictures of scenes.
+pub(super) struct Screen {
+    card: Option<Card>,
+    /// Why there is no card.
+    pub(super) trouble: Option<String>,
+    leaves: Option<Arc<LeafSet>>,
+    /// A picture of the processor, by its number.
+    picture: Option<(u64, TextureHandle)>,
+}
+
+struct Card {
+    state: RenderState,
+    viewport: Viewport,
+    /// What is shown, by its number.
+    texture: Option<(u64, TextureId)>,
+}
+
+/// All that is to be seen.
+pub(super) struct Look<'a> {
+    pub(super) shown: &'a ShownCrown,
+    pub(super) camera: Camera,
+    pub(super) light: Light,
+    /// Pixels of the screen.
+    pub(super) size: (u32, u32),
+}
+
+impl Screen {
+    pub(super) fn new(state: Option<&RenderState>) -> Self {
+        let card = state.map(|state| {
+            let info = state.adapter.get_info();
+            let gpu = Gpu::new(state.device.clone(), state.queue.clone(), info);
+            Viewport::new(gpu).map(|viewport| Card {
+                state: state.clone(),
+                viewport,
+                texture: None,
+            })
+        });
+        let (card, trouble) = match card {
+            Some(Ok(card)) => (Some(card), None),
+            Some(Err(error)) => (None, Some(error.to_string())),
+            None => (None, Some("no graphics card can be used".to_owned())),
+        };
+        Self {
+            card,
+            trouble,
+            leaves: None,
+            picture: None,
+        }
+    }
+
+    /// The texture to show and whether it is all that was asked for; `None` before there is one.
+    pub(super) fn texture(
+        &mut self,
+        ctx: &egui::Context,
+        studio: &Studio,
+        look: &Look<'_>,
+        actions: &mut Vec<Action>,
+    ) -> Option<(TextureId, bool)> {
+        let leaves = self
+            .leaves
+            .get_or_insert_with(|| Arc::new(LeafSet::default()));
+        let leaves = Arc::clone(leaves);
+        if let Some(card) = &mut self.card {
+            match card.drawn(studio, look, &leaves) {
+                Ok(drawn) => return Some(drawn),
+                Err(error) => {
+                    self.trouble = Some(error.to_string());
+                    self.card = None;
+                }
+            }
+        }
+        self.of_processor(ctx, studio, look, leaves, actions)
+    }
+
+    fn of_processor(
+        &mut self,
+        ctx: &egui::Context,
+        studio: &Studio,
+        look: &Look<'_>,
+        leaves: Arc<LeafSet>,
+        actions: &mut Vec<Action>,
+    ) -> Option<(TextureId, bool)> {
+        let (width, height) = look.size;
+        let scale = (CPU_PX / width.max(height) as f32).min(1.0);
+        let scaled = |side: u32| ((side as f32 * scale) as u32).max(1);
+        let settings = RenderSettings {
+            size: (scaled(width), scaled(height)),
+            fineness: 1,
+            ..settings(studio.live.drawn, look.size)
+        };
+        let request = PictureRequest {
+            serial: look.shown.serial,
+            quality: look.shown.quality,
+            camera: look.camera,
+            light: look.light,
+            backdrop: studio.live.backdrop,
+            settings,
+        };
+        if studio.live.picture_wanted.as_ref() != Some(&request) {
+            actions.push(Action::Live(LiveAction::Picture(Box::new(request), leaves)));
+        }
+        let (number, image) = studio.live.picture.as_ref()?;
+        if self.picture.as_ref().is_none_or(|(of, _)| of != number) {
+            let image = color_image(image);
+            let texture = ctx.load_texture("crown", image, TextureOptions::LINEAR);
+            self.picture = Some((*number, texture));
+        }
+        // A job wakes the window when the next one is there.
+        self.picture
+            .as_ref()
+            .map(|(_, texture)| (texture.id(), true))
+    }
+}
+
+impl Card {
+    fn drawn(
+        &mut self,
+        studio: &Studio,
+        look: &Look<'_>,
+        leaves: &LeafSet,
+    ) -> Result<(TextureId, bool), RenderError> {
+        let meshes = meshes(look.shown, studio.live.drawn);
+        let view = SceneView {
+            crowns: std::slice::from_ref(&look.shown.prepared),
+            instances: &[CrownInstance::plain(0)],
+            meshes: &meshes,
+            leaves,
+            camera: &look.camera,
+            light: &look.light,
+            backdrop: studio.live.backdrop,
+        };
+        let settings = settings(studio.live.drawn, look.size);
+        let shown = self.viewport.draw(&view, &settings)?;
+        let mut renderer = self.state.renderer.write();
+        let device = &self.state.device;
+        let id = match self.texture {
+            Some((of, id)) if of == shown.generation => id,
+            Some((_, id)) => {
+                renderer.update_egui_texture_from_wgpu_texture(
+                    device,
+                    shown.picture,
+                    Shown::FILTER,
+                    id,
+                );
+                id
+            }
+            None => renderer.register_native_texture(device, shown.picture, Shown::FILTER),
+        };
+        self.texture = Some((shown.generation, id));
+        Ok((id, shown.is_final))
+    }
+}
+
+/// The triangles of the picture.
+pub(in super::super) fn meshes(shown: &ShownCrown, drawn: Drawn) -> Vec<PreparedMesh> {
+    let mut meshes = vec![shown.trunk.clone()];
+    if matches!(drawn, Drawn::Mesh | Drawn::Wireframe) {
+        meshes.extend(shown.surface.iter().map(|(_, mesh)| mesh.clone()));
+    }
+    meshes
+}
+
+/// How a picture of `size` is drawn.
+pub(in super::super) fn settings(drawn: Drawn, size: (u32, u32)) -> RenderSettings {
+    RenderSettings {
+        size,
+        mode: match drawn {
+            Drawn::Relief => Mode::Relief,
+            Drawn::Leaves => Mode::Leaves,
+            Drawn::Mesh | Drawn::Wireframe => Mode::Mesh,
+        },
+        view: match drawn {
+            Drawn::Wireframe => View::Wireframe,
+            _ => View::Picture,
+        },
+        ..RenderSettings::default()
+    }
+}

@@ -1,0 +1,139 @@
+//! A crown as a project asks for it, in the terms of the pipeline.
+//!
+//! What is in no project (the envelope, how foliage is synthesised, how tall the tree is) has the
+//! defaults of the command line, so that a photograph and its mask give the same crown in both.
+
+use super::crown::{CrownError, CrownSettings};
+use crate::base::Seed;
+use crate::crown::{Profile, SubCrown, Tangent};
+use crate::document;
+use crate::paint::{CROWN, TRUNK, TiledMask};
+use crate::raster::{Image, Mask};
+use std::collections::BTreeMap;
+
+/// k of a region for which nobody has chosen one: a disc becomes as deep as wide.
+const ROUND: f64 = 2.08;
+
+/// All that a crown is made by, beside the photograph and its labels.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CrownRequest {
+    /// How it is made.
+    pub settings: CrownSettings,
+    /// How far sub-crowns are pushed towards the viewer, by label, in shares of the crown's width.
+    pub sub_crown_depths: BTreeMap<u8, f64>,
+    /// Seed of the foliage.
+    pub seed: Seed,
+}
+
+impl CrownRequest {
+    /// What a project asks for.
+    ///
+    /// ```
+    /// use boscage::{document, pipeline::{CrownRequest, CrownSettings}};
+    /// let request = CrownRequest::of(&document::CrownSettings::default()).unwrap();
+    /// assert_eq!(request.settings, CrownSettings::default());
+    /// ```
+    ///
+    /// # Errors
+    /// [`CrownError::Tangent`] with the column of a formula that cannot be read;
+    /// [`CrownError::Profile`].
+    pub fn of(asked: &document::CrownSettings) -> Result<Self, CrownError> {
+        let k = match &asked.k {
+            document::Tangent::Automatic => None,
+            document::Tangent::Expression(text) => Some(Tangent::parse(text)?),
+            document::Tangent::Profile(points) => {
+                let points = points.iter().map(|&(t, k)| [t, k]).collect();
+                Some(Tangent::Profile(Profile::new(vec![points])?))
+            }
+        };
+        Ok(Self {
+            settings: CrownSettings {
+                size: asked.size,
+                k,
+                copies: asked.copies,
+                rho: asked.rho,
+                relief: asked.relief,
+                photo_front: asked.photo_front,
+                ..CrownSettings::default()
+            },
+            sub_crown_depths: asked.sub_crown_depths.clone(),
+            seed: Seed(asked.seed),
+        })
+    }
+
+    /// The sub-crowns of a picture whose masks are `regions`: all with one k, each at its depth.
+    pub(super) fn sub_crowns(&self, regions: &Regions) -> Vec<SubCrown> {
+        let tangent = self.settings.k.clone();
+        let tangent = tangent.unwrap_or(Tangent::Constant(ROUND));
+        let sub_crown = |(label, mask): &(u8, Mask)| SubCrown {
+            mask: mask.clone(),
+            tangent: tangent.clone(),
+            depth_px: self.sub_crown_depths.get(label).unwrap_or(&0.0) * regions.width_px,
+        };
+        regions.masks.iter().map(sub_crown).collect()
+    }
+}
+
+/// The labels of a picture as masks.
+#[derive(Debug, Clone)]
+pub(super) struct Regions {
+    /// The crown and its sub-crowns, by label.
+    pub(super) masks: Vec<(u8, Mask)>,
+    /// All of them.
+    pub(super) union: Mask,
+    /// Width of all, pixels.
+    width_px: f64,
+}
+
+/// Whether pixels with this label are foliage.
+pub(super) fn is_crown(label: u8) -> bool {
+    label == CROWN || label > TRUNK
+}
+
+impl Regions {
+    /// Of every `step`th pixel of `labels`; `None` when no foliage is labelled.
+    pub(super) fn new(labels: &TiledMask, step: u32) -> Option<Self> {
+        let image = match step {
+            0 | 1 => labels.image(),
+            step => thinned(labels, step),
+        };
+        let mut is_used = [false; 256];
+        for &label in image.pixels() {
+            is_used[usize::from(label)] = true;
+        }
+        let used = (0..=255u8).filter(|&label| is_used[usize::from(label)] && is_crown(label));
+        let masks: Vec<(u8, Mask)> = used
+            .map(|used| (used, image.map(|&label| label == used)))
+            .collect();
+        let union = match &masks[..] {
+            [(_, only)] => only.clone(),
+            _ => image.map(|&label| is_crown(label)),
+        };
+        let bounds = crate::raster::opaque_bounds(&union)?;
+        Some(Self {
+            masks,
+            union,
+            width_px: f64::from(bounds.width),
+        })
+    }
+
+    /// Whether there are sub-crowns.
+    pub(super) fn is_parted(&self) -> bool {
+        self.masks.len() > 1
+    }
+}
+
+/// Every `step`th pixel of `labels`, from the middle of the first `step` on.
+fn thinned(labels: &TiledMask, step: u32) -> Image<u8> {
+    let side = |length: u32| (length / step).max(1);
+    let (width, height) = (side(labels.width()), side(labels.height()));
+    let at = |i: u32, length: u32| (i * step + step / 2).min(length - 1);
+    let mut image = Image::filled(width, height, 0);
+    for y in 0..height {
+        let row = labels.window(0, i64::from(at(y, labels.height())), labels.width(), 1, 0);
+        for (x, pixel) in (0..width).zip(image.row_mut(y)) {
+            *pixel = row.pixels()[at(x, labels.width()) as usize];
+        }
+    }
+    image
+}

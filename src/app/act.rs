@@ -2,7 +2,7 @@
 
 use super::action::{Action, Answer, Gesture, Pen};
 use super::commands::Command;
-use super::studio::{Effect, Next, Painting, Question, Severity, Studio, Tool};
+use super::studio::{Effect, Next, Painting, Question, Severity, Studio, Tool, Workspace};
 use crate::document::store::{OnDisk, Over, on_disk};
 use crate::document::{Document, Edit, EditError, PhotoId};
 use crate::paint::{BACKGROUND, BrushSettings, CROWN, Paint, Stroke, TRUNK, TiledMask, inverted};
@@ -38,7 +38,7 @@ impl Studio {
                 self.changed();
             }
             Action::ShowPhoto(photo) => self.show_photo(photo),
-            Action::Workspace(workspace) => self.workspace = workspace,
+            Action::Workspace(workspace) => self.go_to(workspace),
             Action::Open(paths) => self.open(paths),
             Action::SaveTo(path) => self.write_project(path, Over::Anything),
             Action::Recover(folder) => self.unless_unsaved(Next::Recover(folder)),
@@ -46,6 +46,7 @@ impl Studio {
             Action::CancelJob(job) => self.jobs.cancel(job),
             Action::PauseJob(job, is_paused) => self.jobs.set_paused(job, is_paused),
             Action::Answer(answer) => self.answer(answer),
+            Action::Vary(action) => self.vary(action),
             Action::DismissNotice(id) => self.notices.retain(|notice| notice.id != id),
         }
     }
@@ -54,6 +55,7 @@ impl Studio {
     pub(super) fn changed(&mut self) {
         self.generation += 1;
         self.decode_what_is_shown();
+        self.refresh_variations();
     }
 
     fn run(&mut self, command: Command) {
@@ -100,7 +102,8 @@ impl Studio {
                 };
                 self.act(Action::PaintLabel(other));
             }
-            Command::Show(workspace) => self.workspace = workspace,
+            Command::Show(workspace) => self.go_to(workspace),
+            Command::RollTrees => self.roll(),
             Command::ZoomToFit => self.effects.push(Effect::ZoomToFit),
             Command::ZoomToPixels => self.effects.push(Effect::ZoomToPixels),
             Command::ToggleMask => self.shows_mask = !self.shows_mask,
@@ -123,11 +126,17 @@ impl Studio {
             | Command::InvertMask
             | Command::ZoomToFit
             | Command::ZoomToPixels => self.shown().is_some(),
+            Command::RollTrees => self.workspace == Workspace::Variations,
             _ => true,
         }
     }
 
-    fn edit(&mut self, label: &'static str, edit: Edit, gesture: Gesture) {
+    fn go_to(&mut self, workspace: Workspace) {
+        self.workspace = workspace;
+        self.refresh_variations();
+    }
+
+    pub(super) fn edit(&mut self, label: &'static str, edit: Edit, gesture: Gesture) {
         if gesture == Gesture::Whole {
             self.end_gesture();
         } else if !self.document.is_in_gesture() {

@@ -1,5 +1,6 @@
 //! What panels, keys and menus ask the studio to do.
 
+use super::act_vary::VaryAction;
 use super::commands::Command;
 use super::studio::{Tool, Workspace};
 use crate::document::{Edit, PhotoId, ViewState};
@@ -69,6 +70,8 @@ pub enum Action {
     PauseJob(JobId, bool),
     /// The question in the middle of the window is answered.
     Answer(Answer),
+    /// What the variations' panels ask for.
+    Vary(VaryAction),
     /// A line at the bottom of the window was read.
     DismissNotice(u64),
 }

@@ -89,6 +89,8 @@ pub enum Command {
     ToggleEraser,
     /// Paints crown or trunk.
     SwapLabel,
+    /// Draws the gallery again.
+    RollTrees,
     /// Shows another workspace.
     Show(Workspace),
     /// Shows all of the picture.
@@ -167,6 +169,7 @@ pub(super) const TABLE: &[Row] = &[
     row(Command::LargerBrush, Menu::Tools, "Larger Brush", "Makes the brush larger by an eighth.", NONE, Key::CloseBracket),
     row(Command::SmallerBrush, Menu::Tools, "Smaller Brush", "Makes the brush smaller by an eighth.", NONE, Key::OpenBracket),
     row(Command::SwapLabel, Menu::Tools, "Swap Crown and Trunk", "Paints trunk instead of crown, or crown again.", NONE, Key::X),
+    row(Command::RollTrees, Menu::Tree, "Roll Again", "Draws all trees of the gallery again but those that are locked.", COMMAND, Key::R),
     row(Command::Show(Workspace::Crown), Menu::View, "Crown Workspace", "Paint a mask on a photograph and see its crown.", COMMAND, Key::Num1),
     row(Command::Show(Workspace::Variations), Menu::View, "Variations Workspace", "Make new trees from several.", COMMAND, Key::Num2),
     row(Command::Show(Workspace::Library), Menu::View, "Library Workspace", "All pictures of the project.", COMMAND, Key::Num3),

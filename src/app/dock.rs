@@ -18,6 +18,8 @@ pub(super) enum Pane {
     View,
     /// How the crown is made.
     Crown,
+    /// The pictures that new trees are mixed of.
+    Exemplars,
     /// New trees.
     Gallery,
     /// How new trees are made.
@@ -34,6 +36,7 @@ impl Pane {
             Self::Canvas => "Canvas",
             Self::View => "3D View",
             Self::Crown => "Crown",
+            Self::Exemplars => "Exemplars",
             Self::Gallery => "Gallery",
             Self::Variation => "Variation",
             Self::Jobs => "Jobs",
@@ -51,7 +54,7 @@ pub(super) struct Layouts {
 
 impl Default for Layouts {
     fn default() -> Self {
-        use Pane::{Canvas, Crown, Gallery, Jobs, Pictures, Variation, View};
+        use Pane::{Canvas, Crown, Exemplars, Gallery, Jobs, Pictures, Variation, View};
         Self {
             crown: arranged(
                 "crown",
@@ -65,9 +68,9 @@ impl Default for Layouts {
             variations: arranged(
                 "variations",
                 &[
-                    (&[Pictures], 0.13),
-                    (&[Gallery], 0.65),
-                    (&[Variation, Jobs], 0.22),
+                    (&[Exemplars, Pictures], 0.17),
+                    (&[Gallery], 0.53),
+                    (&[Variation, Jobs], 0.30),
                 ],
             ),
             library: arranged("library", &[(&[Pictures], 0.72), (&[Jobs], 0.28)]),

@@ -12,6 +12,7 @@
 //! Imports everything but `cli`.
 
 mod act;
+mod act_vary;
 mod action;
 mod commands;
 mod dock;
@@ -26,7 +27,10 @@ mod shortcut_sheet;
 mod start;
 mod studio;
 mod theme;
+mod vary;
+mod vary_jobs;
 
+pub use act_vary::VaryAction;
 pub use action::{Action, Gesture};
 pub use commands::{Command, Menu};
 pub use shell::{Shell, StartError, run};

@@ -2,6 +2,7 @@
 
 use super::photos::{THUMBNAIL_PX, Thumbnail};
 use super::studio::{Effect, Question, Severity, Studio};
+use super::vary_jobs::VaryOutcome;
 use crate::base::Digest;
 use crate::document::store::{self, LockError, Over, Stamp, StoreError};
 use crate::document::{Decoded, Document, Edit, PhotoId, Snapshot};
@@ -29,6 +30,8 @@ pub(super) enum Outcome {
     NotSaved(StoreError),
     /// An autosave was written.
     Autosaved(u64),
+    /// What a job of the variations gave.
+    Vary(VaryOutcome),
 }
 
 /// A picture that was read from a file.
@@ -75,6 +78,7 @@ impl Studio {
             Outcome::Saved(path, stamp, revision) => self.saved(path, stamp, revision),
             Outcome::NotSaved(error) => self.not_saved(error),
             Outcome::Autosaved(revision) => self.autosave_clock.wrote(revision),
+            Outcome::Vary(outcome) => self.accept_variation(outcome),
         }
     }
 

@@ -3,6 +3,7 @@
 use super::outcome::Outcome;
 use super::photos::Photos;
 use super::preferences::Preferences;
+use super::vary::Vary;
 use crate::document::store::{Autosave, AutosaveClock, Lock, Recoverable, Recovery, Stamp};
 use crate::document::{Document, PhotoId};
 use crate::jobs::Jobs;
@@ -186,6 +187,7 @@ pub struct Studio {
     pub(super) photos: Photos,
     pub(super) tools: Tools,
     pub(super) painting: Option<Painting>,
+    pub(super) vary: Vary,
     pub(super) workspace: Workspace,
     pub(super) shows_mask: bool,
     pub(super) preferences: Preferences,
@@ -220,6 +222,7 @@ impl Studio {
             photos: Photos::default(),
             tools: Tools::default(),
             painting: None,
+            vary: Vary::default(),
             workspace: Workspace::default(),
             shows_mask: true,
             preferences,

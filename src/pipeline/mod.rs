@@ -3,10 +3,11 @@
 //! The command line and the studio call the same functions here with the same settings, so that
 //! the same inputs give the same bytes.
 //!
-//! Imports `base`, `raster`, `geometry`, `crown`, `synth`, `scene`.
+//! Imports `base`, `raster`, `geometry`, `variation`, `crown`, `synth`, `scene`, `document`.
 
 mod crown;
 mod frame;
+mod gallery;
 mod tree_maps;
 
 pub use crown::{
@@ -14,4 +15,7 @@ pub use crown::{
     crown_of_regions, crown_shape,
 };
 pub use frame::CrownFrame;
+pub use gallery::{
+    GalleryTree, Pool, Slot, choice_settings, favourite_of, gallery_slots, parts_of_mix,
+};
 pub use tree_maps::{DEPTH_SHARE, TreeMaps, tree_maps};

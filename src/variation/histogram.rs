@@ -59,6 +59,11 @@ impl Histogram {
         )
     }
 
+    /// The pixels counted for each value of red, green and blue.
+    pub fn counts(&self) -> &[[u64; 256]; 3] {
+        &self.counts
+    }
+
     /// Number of pixels counted.
     pub fn pixel_count(&self) -> u64 {
         self.counts[0].iter().sum()

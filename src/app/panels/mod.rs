@@ -3,17 +3,23 @@
 
 mod canvas;
 mod crown;
+mod exemplars;
 mod gallery;
+mod gallery_large;
+mod gallery_tile;
+mod icon;
 mod jobs;
 mod pictures;
+mod textures;
 mod variation;
 mod view;
 
-use super::action::Action;
+use super::action::{Action, Gesture};
 use super::dock::Pane;
 use super::studio::{Effect, Studio};
+use crate::document::{Edit, VariationSettings};
 use crate::raster::{Image, Straight};
-use egui::{ColorImage, Ui};
+use egui::{ColorImage, Response, Ui};
 
 /// All panels of the window.
 pub(super) struct Panels {
@@ -21,6 +27,7 @@ pub(super) struct Panels {
     canvas: canvas::Canvas,
     view: view::View,
     crown: crown::Crown,
+    exemplars: exemplars::Exemplars,
     gallery: gallery::Gallery,
     variation: variation::Variation,
 }
@@ -32,7 +39,8 @@ impl Panels {
             canvas: canvas::Canvas::default(),
             view: view::View::new(creation),
             crown: crown::Crown,
-            gallery: gallery::Gallery,
+            exemplars: exemplars::Exemplars::default(),
+            gallery: gallery::Gallery::default(),
             variation: variation::Variation,
         }
     }
@@ -54,6 +62,7 @@ impl Panels {
             Pane::Canvas => self.canvas.show(ui, studio, actions),
             Pane::View => self.view.show(ui, studio, actions),
             Pane::Crown => self.crown.show(ui, studio, actions),
+            Pane::Exemplars => self.exemplars.show(ui, studio, actions),
             Pane::Gallery => self.gallery.show(ui, studio, actions),
             Pane::Variation => self.variation.show(ui, studio, actions),
             Pane::Jobs => jobs::show(ui, studio, actions),
@@ -80,5 +89,39 @@ fn empty(ui: &mut Ui, heading: &str, text: &str) {
         ui.label(egui::RichText::new(heading).size(15.0));
         ui.add_space(super::theme::TIGHT);
         ui.add(egui::Label::new(egui::RichText::new(text).weak()).wrap());
+    });
+}
+
+/// Where in a gesture of the hand a widget's change stands; `None` when it has none.
+fn gesture_of(response: &Response) -> Option<Gesture> {
+    if response.drag_stopped() {
+        Some(Gesture::Ended)
+    } else if response.changed() {
+        let is_held = response.dragged();
+        Some(if is_held {
+            Gesture::Going
+        } else {
+            Gesture::Whole
+        })
+    } else {
+        None
+    }
+}
+
+/// Asks for a change of the variations' settings, if there is a gesture.
+fn changed_settings(
+    actions: &mut Vec<Action>,
+    studio: &Studio,
+    label: &'static str,
+    gesture: Option<Gesture>,
+    change: impl FnOnce(&mut VariationSettings),
+) {
+    let Some(gesture) = gesture else { return };
+    let mut settings = studio.document().state().content().variation.clone();
+    change(&mut settings);
+    actions.push(Action::Edit {
+        label,
+        edit: Edit::SetVariation(Box::new(settings)),
+        gesture,
     });
 }

@@ -104,6 +104,7 @@ impl Studio {
             }
             Command::Show(workspace) => self.go_to(workspace),
             Command::RollTrees => self.roll(),
+            Command::MakeTrees | Command::ExportTrees => self.ask_where_to_make(command),
             Command::ZoomToFit => self.effects.push(Effect::ZoomToFit),
             Command::ZoomToPixels => self.effects.push(Effect::ZoomToPixels),
             Command::ToggleMask => self.shows_mask = !self.shows_mask,
@@ -127,6 +128,7 @@ impl Studio {
             | Command::ZoomToFit
             | Command::ZoomToPixels => self.shown().is_some(),
             Command::RollTrees => self.workspace == Workspace::Variations,
+            Command::MakeTrees | Command::ExportTrees => !self.is_empty(),
             _ => true,
         }
     }

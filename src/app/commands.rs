@@ -91,6 +91,10 @@ pub enum Command {
     SwapLabel,
     /// Draws the gallery again.
     RollTrees,
+    /// Writes many trees to a folder.
+    MakeTrees,
+    /// Writes trees for an engine.
+    ExportTrees,
     /// Shows another workspace.
     Show(Workspace),
     /// Shows all of the picture.
@@ -169,6 +173,8 @@ pub(super) const TABLE: &[Row] = &[
     row(Command::LargerBrush, Menu::Tools, "Larger Brush", "Makes the brush larger by an eighth.", NONE, Key::CloseBracket),
     row(Command::SmallerBrush, Menu::Tools, "Smaller Brush", "Makes the brush smaller by an eighth.", NONE, Key::OpenBracket),
     row(Command::SwapLabel, Menu::Tools, "Swap Crown and Trunk", "Paints trunk instead of crown, or crown again.", NONE, Key::X),
+    row(Command::ExportTrees, Menu::File, "Export…", "Writes trees as models and textures that an engine takes as they are.", COMMAND, Key::E),
+    row(Command::MakeTrees, Menu::Tree, "Make Trees…", "Writes many trees of these settings to a folder, as boscage vary does.", COMMAND, Key::M),
     row(Command::RollTrees, Menu::Tree, "Roll Again", "Draws all trees of the gallery again but those that are locked.", COMMAND, Key::R),
     row(Command::Show(Workspace::Crown), Menu::View, "Crown Workspace", "Paint a mask on a photograph and see its crown.", COMMAND, Key::Num1),
     row(Command::Show(Workspace::Variations), Menu::View, "Variations Workspace", "Make new trees from several.", COMMAND, Key::Num2),

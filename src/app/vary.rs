@@ -4,7 +4,9 @@
 //! never stand in the place of a newer one, and undo finds again what was made before.
 
 use crate::base::{Digest, Hasher};
+use crate::contour::PinnedContour;
 use crate::document::{ExemplarWeight, PhotoId, VariationSettings};
+use crate::geometry::Point;
 use crate::pipeline::{GalleryTree, Pool, gallery_slots, parts_of_mix};
 use crate::raster::{Image, Straight};
 use crate::variation::{Draft, Drafts, Entry, Library, Palette, Part};
@@ -140,6 +142,19 @@ impl Vary {
         let prepared = self.prepared.as_ref()?;
         let index = |photo| prepared.index(photo);
         parts_of_mix(&self.mix(settings), &[], settings.coloring, index)
+    }
+
+    /// The combined outline of the mix, and the side of the picture that it lies in, pixels.
+    pub(super) fn mixed_outline(&self, settings: &VariationSettings) -> (Vec<Point>, u32) {
+        let parts = self.mixed_parts(settings).unwrap_or_default();
+        let Some(prepared) = self.prepared.as_ref().filter(|_| !parts.is_empty()) else {
+            return (Vec::new(), 1);
+        };
+        let entries = prepared.library.entries();
+        let contour = |part: &Part| (&entries[part.exemplar].shape.contour, part.contour_weight);
+        let contours: Vec<_> = parts.iter().map(contour).collect();
+        let size = entries[parts[0].exemplar].shape.size;
+        (PinnedContour::combined(&contours).points, size)
     }
 
     /// Lays out gallery and favourites anew.

@@ -9,6 +9,7 @@ mod gallery_large;
 mod gallery_tile;
 mod icon;
 mod jobs;
+mod mix;
 mod pictures;
 mod textures;
 mod variation;
@@ -29,6 +30,7 @@ pub(super) struct Panels {
     crown: crown::Crown,
     exemplars: exemplars::Exemplars,
     gallery: gallery::Gallery,
+    mix: mix::Mix,
     variation: variation::Variation,
 }
 
@@ -41,7 +43,8 @@ impl Panels {
             crown: crown::Crown,
             exemplars: exemplars::Exemplars::default(),
             gallery: gallery::Gallery::default(),
-            variation: variation::Variation,
+            mix: mix::Mix::default(),
+            variation: variation::Variation::default(),
         }
     }
 
@@ -64,6 +67,7 @@ impl Panels {
             Pane::Crown => self.crown.show(ui, studio, actions),
             Pane::Exemplars => self.exemplars.show(ui, studio, actions),
             Pane::Gallery => self.gallery.show(ui, studio, actions),
+            Pane::Mix => self.mix.show(ui, studio, actions),
             Pane::Variation => self.variation.show(ui, studio, actions),
             Pane::Jobs => jobs::show(ui, studio, actions),
         }

@@ -3,7 +3,7 @@
 use super::action::{Action, Answer, Gesture, Pen};
 use super::commands::Command;
 use super::live::LiveAction;
-use super::studio::{Effect, Next, Question, Severity, Studio};
+use super::studio::{Effect, Next, Question, Severity, Studio, Workspace};
 use super::tools::Overlay;
 use crate::document::store::Over;
 use crate::document::{Document, Edit, EditError, PhotoId};
@@ -47,7 +47,7 @@ impl Studio {
                 self.changed();
             }
             Action::ShowPhoto(photo) => self.show_photo(photo),
-            Action::Workspace(workspace) => self.workspace = workspace,
+            Action::Workspace(workspace) => self.go_to(workspace),
             Action::Open(paths) => self.open(paths),
             Action::SaveTo(path) => self.write_project(path, Over::Anything),
             Action::Recover(folder) => self.unless_unsaved(Next::Recover(folder)),
@@ -57,6 +57,7 @@ impl Studio {
             Action::Answer(answer) => self.answer(answer),
             Action::TourSeen => self.preferences.tour_was_seen = true,
             Action::Live(action) => self.act_live(action),
+            Action::Vary(action) => self.vary(action),
             Action::DismissNotice(id) => self.notices.retain(|notice| notice.id != id),
         }
         self.follow_live();
@@ -68,6 +69,7 @@ impl Studio {
         self.forget_foreign_sketch();
         self.decode_what_is_shown();
         self.ask_for_shape();
+        self.refresh_variations();
     }
 
     fn run(&mut self, command: Command) {
@@ -128,7 +130,9 @@ impl Studio {
                 };
                 self.act(Action::PaintLabel(other));
             }
-            Command::Show(workspace) => self.workspace = workspace,
+            Command::Show(workspace) => self.go_to(workspace),
+            Command::RollTrees => self.roll(),
+            Command::MakeTrees | Command::ExportTrees => self.ask_where_to_make(command),
             Command::ZoomToFit => self.effects.push(Effect::ZoomToFit),
             Command::ZoomToPixels => self.effects.push(Effect::ZoomToPixels),
             Command::ZoomIn => self.effects.push(Effect::ZoomBy(ZOOM_STEP)),
@@ -161,8 +165,15 @@ impl Studio {
             | Command::ZoomOut
             | Command::ZoomToFit
             | Command::ZoomToPixels => self.shown().is_some(),
+            Command::RollTrees => self.workspace == Workspace::Variations,
+            Command::MakeTrees | Command::ExportTrees => !self.is_empty(),
             _ => true,
         }
+    }
+
+    fn go_to(&mut self, workspace: Workspace) {
+        self.workspace = workspace;
+        self.refresh_variations();
     }
 
     pub(super) fn edit(&mut self, label: &'static str, edit: Edit, gesture: Gesture) {

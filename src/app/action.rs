@@ -1,5 +1,6 @@
 //! What panels, keys and menus ask the studio to do.
 
+use super::act_vary::VaryAction;
 use super::commands::Command;
 use super::live::LiveAction;
 use super::mask_action::MaskAction;
@@ -78,6 +79,8 @@ pub enum Action {
     TourSeen,
     /// Something about the crown and its view.
     Live(LiveAction),
+    /// What the variations' panels ask for.
+    Vary(VaryAction),
     /// A line at the bottom of the window was read.
     DismissNotice(u64),
 }

@@ -100,6 +100,12 @@ pub enum Command {
     ToggleEraser,
     /// Paints crown or trunk.
     SwapLabel,
+    /// Draws the gallery again.
+    RollTrees,
+    /// Writes many trees to a folder.
+    MakeTrees,
+    /// Writes trees for an engine.
+    ExportTrees,
     /// Shows another workspace.
     Show(Workspace),
     /// Shows all of the picture.
@@ -219,6 +225,9 @@ pub const TABLE: &[Row] = &[
     row(Command::Label(8), Menu::Tools, "Paint Sub-crown 6", "Tools paint the sixth sub-crown.", NONE, Key::Num8),
     row(Command::Label(9), Menu::Tools, "Paint Sub-crown 7", "Tools paint the seventh sub-crown.", NONE, Key::Num9),
     row(Command::SwapLabel, Menu::Tools, "Swap Crown and Trunk", "Paints trunk instead of crown, or crown again.", NONE, Key::X),
+    row(Command::ExportTrees, Menu::File, "Export…", "Writes trees as models and textures that an engine takes as they are.", COMMAND, Key::E),
+    row(Command::MakeTrees, Menu::Tree, "Make Trees…", "Writes many trees of these settings to a folder, as boscage vary does.", COMMAND, Key::M),
+    row(Command::RollTrees, Menu::Tree, "Roll Again", "Draws all trees of the gallery again but those that are locked.", COMMAND, Key::R),
     row(Command::Show(Workspace::Crown), Menu::View, "Crown Workspace", "Paint a mask on a photograph and see its crown.", COMMAND, Key::Num1),
     row(Command::Show(Workspace::Variations), Menu::View, "Variations Workspace", "Make new trees from several.", COMMAND, Key::Num2),
     row(Command::Show(Workspace::Library), Menu::View, "Library Workspace", "All pictures of the project.", COMMAND, Key::Num3),

@@ -18,6 +18,10 @@ pub(super) enum Pane {
     View,
     /// How the crown is made.
     Crown,
+    /// The pictures that new trees are mixed of.
+    Exemplars,
+    /// A mix by hand.
+    Mix,
     /// New trees.
     Gallery,
     /// How new trees are made.
@@ -34,6 +38,8 @@ impl Pane {
             Self::Canvas => "Canvas",
             Self::View => "3D View",
             Self::Crown => "Crown",
+            Self::Exemplars => "Exemplars",
+            Self::Mix => "Mix",
             Self::Gallery => "Gallery",
             Self::Variation => "Variation",
             Self::Jobs => "Jobs",
@@ -51,7 +57,7 @@ pub(super) struct Layouts {
 
 impl Default for Layouts {
     fn default() -> Self {
-        use Pane::{Canvas, Crown, Gallery, Jobs, Pictures, Variation, View};
+        use Pane::{Canvas, Crown, Exemplars, Gallery, Jobs, Mix, Pictures, Variation, View};
         Self {
             crown: arranged(
                 "crown",
@@ -62,12 +68,12 @@ impl Default for Layouts {
                     (&[Crown, Jobs], 0.18),
                 ],
             ),
-            variations: arranged(
+            variations: arranged_in(
                 "variations",
                 &[
-                    (&[Pictures], 0.13),
-                    (&[Gallery], 0.65),
-                    (&[Variation, Jobs], 0.22),
+                    (&[&[Exemplars, Pictures]], 0.17),
+                    (&[&[Gallery]], 0.53),
+                    (&[&[Mix], &[Variation, Jobs]], 0.30),
                 ],
             ),
             library: arranged("library", &[(&[Pictures], 0.72), (&[Jobs], 0.28)]),
@@ -106,12 +112,29 @@ fn panes(tree: &Tree<Pane>) -> impl Iterator<Item = Pane> + '_ {
 
 /// Columns from left to right, each the panels that share it as tabs, and its share of the width.
 fn arranged(name: &str, columns: &[(&[Pane], f32)]) -> Tree<Pane> {
+    let stacks: Vec<[&[Pane]; 1]> = columns.iter().map(|(panes, _)| [*panes]).collect();
+    let shares = columns.iter().map(|(_, share)| *share);
+    let columns: Vec<(&[&[Pane]], f32)> =
+        stacks.iter().map(<[_; 1]>::as_slice).zip(shares).collect();
+    arranged_in(name, &columns)
+}
+
+/// Columns from left to right, each a stack from top to bottom of panels that share a place as tabs,
+/// and its share of the width.
+fn arranged_in(name: &str, columns: &[(&[&[Pane]], f32)]) -> Tree<Pane> {
     let mut tiles = Tiles::default();
-    let mut tile = |panes: &[Pane]| -> TileId {
-        let ids: Vec<TileId> = panes.iter().map(|pane| tiles.insert_pane(*pane)).collect();
-        tiles.insert_tab_tile(ids)
+    let mut column = |stack: &[&[Pane]]| -> TileId {
+        let mut places = Vec::new();
+        for panes in stack {
+            let ids: Vec<TileId> = panes.iter().map(|pane| tiles.insert_pane(*pane)).collect();
+            places.push(tiles.insert_tab_tile(ids));
+        }
+        match places.as_slice() {
+            [only] => *only,
+            _ => tiles.insert_vertical_tile(places),
+        }
     };
-    let ids: Vec<TileId> = columns.iter().map(|(panes, _)| tile(panes)).collect();
+    let ids: Vec<TileId> = columns.iter().map(|(stack, _)| column(stack)).collect();
     let mut row = Linear::new(LinearDir::Horizontal, ids.clone());
     for (id, (_, share)) in ids.into_iter().zip(columns) {
         row.shares.set_share(id, *share);

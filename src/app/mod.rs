@@ -13,6 +13,7 @@
 
 mod act;
 mod act_mask;
+mod act_vary;
 mod action;
 mod commands;
 mod dock;
@@ -33,7 +34,10 @@ mod studio;
 mod theme;
 mod tools;
 mod tour;
+mod vary;
+mod vary_jobs;
 
+pub use act_vary::VaryAction;
 pub use action::{Action, Answer, Gesture, Pen};
 pub use commands::{Command, Menu, Row, TABLE};
 pub use live::{Drawn, LiveAction};

@@ -4,6 +4,7 @@ use super::live::LiveOutcome;
 use super::mask_jobs::MaskResult;
 use super::photos::{THUMBNAIL_PX, Thumbnail};
 use super::studio::{Effect, Question, Severity, Studio};
+use super::vary_jobs::VaryOutcome;
 use crate::base::Digest;
 use crate::document::store::{self, LockError, OnDisk, Over, Recoverable, Stamp, StoreError};
 use crate::document::{Decoded, Document, Edit, PhotoId, Snapshot};
@@ -46,6 +47,8 @@ pub(super) enum Outcome {
     Mask(MaskResult),
     /// About the crown.
     Live(LiveOutcome),
+    /// What a job of the variations gave.
+    Vary(VaryOutcome),
 }
 
 /// A picture that was read from a file.
@@ -104,6 +107,7 @@ impl Studio {
             Outcome::Autosaved(revision) => self.autosave_clock.wrote(revision),
             Outcome::Looked(path, on_disk) => self.looked(&path, on_disk),
             Outcome::Discarded(folder) => self.recoverable.retain(|left| left.folder != folder),
+            Outcome::Vary(outcome) => self.accept_variation(outcome),
         }
     }
 

@@ -7,6 +7,7 @@ use super::outcome::Outcome;
 use super::photos::Photos;
 use super::preferences::Preferences;
 use super::tools::Tools;
+use super::vary::Vary;
 use crate::document::store::{Autosave, AutosaveClock, Lock, Recoverable, Recovery, Stamp};
 use crate::document::{Document, PhotoId};
 use crate::jobs::Jobs;
@@ -161,6 +162,7 @@ pub struct Studio {
     pub(super) tools: Tools,
     pub(super) painting: Option<Painting>,
     pub(super) live: Live,
+    pub(super) vary: Vary,
     pub(super) workspace: Workspace,
     pub(super) mask_work: MaskWork,
     pub(super) preferences: Preferences,
@@ -198,6 +200,7 @@ impl Studio {
             tools: Tools::default(),
             painting: None,
             live: Live::default(),
+            vary: Vary::default(),
             workspace: Workspace::default(),
             mask_work: MaskWork::default(),
             preferences,

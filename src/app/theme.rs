@@ -48,6 +48,8 @@ pub(super) struct Tokens {
     pub(super) warning: Color32,
     /// Something failed.
     pub(super) error: Color32,
+    /// Red, green and blue of plots.
+    pub(super) channels: [Color32; 3],
 }
 
 /// The colours of labels 1 to 9, over any photograph: told apart also by those who see red and green
@@ -103,6 +105,11 @@ const DARK: Tokens = Tokens {
     chosen: Color32::from_rgb(62, 94, 46),
     warning: Color32::from_rgb(240, 190, 90),
     error: Color32::from_rgb(244, 124, 110),
+    channels: [
+        Color32::from_rgb(232, 108, 100),
+        Color32::from_rgb(116, 190, 108),
+        Color32::from_rgb(108, 152, 240),
+    ],
 };
 
 const LIGHT: Tokens = Tokens {
@@ -120,6 +127,11 @@ const LIGHT: Tokens = Tokens {
     chosen: Color32::from_rgb(190, 220, 170),
     warning: Color32::from_rgb(128, 78, 0),
     error: Color32::from_rgb(176, 40, 28),
+    channels: [
+        Color32::from_rgb(190, 50, 40),
+        Color32::from_rgb(40, 124, 40),
+        Color32::from_rgb(40, 84, 190),
+    ],
 };
 
 /// The tokens of the theme that `ui` is drawn in.

@@ -125,8 +125,36 @@ pub struct Favourite {
     pub name: String,
     /// The seed that makes it again.
     pub seed: u64,
-    /// The exemplars it was made of.
+    /// The exemplars it was made of, with their shares of the outline.
     pub exemplars: Vec<ExemplarWeight>,
+    /// Their shares of the colours, in the same order; empty: those of the outline.
+    #[serde(default)]
+    pub color_weights: Vec<f64>,
+    /// The picture whose histogram it took.
+    #[serde(default)]
+    pub like: Option<PhotoId>,
+}
+
+impl Favourite {
+    /// The photographs that it names.
+    fn photos(&self) -> impl Iterator<Item = PhotoId> + '_ {
+        self.exemplars
+            .iter()
+            .map(|part| part.photo)
+            .chain(self.like)
+    }
+
+    /// Whether its shares can be mixed: finite, not negative, not all 0, one of each for each part.
+    fn is_sound(&self) -> bool {
+        let sum = |weights: &[f64]| {
+            let sound = weights.iter().all(|w| w.is_finite() && *w >= 0.0);
+            if sound { weights.iter().sum() } else { 0.0 }
+        };
+        let contour: Vec<f64> = self.exemplars.iter().map(|part| part.weight).collect();
+        let has_colors = self.color_weights.is_empty()
+            || (self.color_weights.len() == self.exemplars.len() && sum(&self.color_weights) > 0.0);
+        sum(&contour) > 0.0 && has_colors
+    }
 }
 
 /// How variations are made.
@@ -147,6 +175,8 @@ pub struct VariationSettings {
     pub coloring: Coloring,
     /// The picture whose histogram is taken.
     pub like: Option<PhotoId>,
+    /// The tree that the gallery's trees are siblings of, if they are.
+    pub around: Option<Favourite>,
     /// Seed of the gallery.
     pub seed: u64,
     /// Trees in the gallery.
@@ -167,6 +197,7 @@ impl Default for VariationSettings {
             weights: (0.3, 0.7),
             coloring: Coloring::default(),
             like: None,
+            around: None,
             seed: 0,
             count: 12,
             locked: Vec::new(),
@@ -179,8 +210,7 @@ impl VariationSettings {
     /// What is wrong with the values, if anything.
     pub(super) fn complaint(&self) -> Option<&'static str> {
         let (low, high) = self.weights;
-        let kept = self.favourites.iter().flat_map(|kept| &kept.exemplars);
-        let weights = self.exemplars.iter().chain(kept).map(|part| part.weight);
+        let weights = self.exemplars.iter().map(|part| part.weight);
         let rules = [
             (
                 (0.0..=1.0).contains(&self.strength),
@@ -196,25 +226,38 @@ impl VariationSettings {
                 weights.into_iter().all(|w| w.is_finite() && w >= 0.0),
                 "an exemplar's weight is negative or no number",
             ),
+            (
+                self.kept().all(Favourite::is_sound),
+                "a favourite's weights are none",
+            ),
         ];
         broken(&rules)
     }
 
+    /// All trees that were kept.
+    fn kept(&self) -> impl Iterator<Item = &Favourite> {
+        self.favourites.iter().chain(&self.around)
+    }
+
     /// All photographs that are named.
     pub(super) fn photos(&self) -> impl Iterator<Item = PhotoId> + '_ {
-        let kept = self.favourites.iter().flat_map(|kept| &kept.exemplars);
-        let parts = self.exemplars.iter().chain(kept).map(|part| part.photo);
-        parts.chain(self.target).chain(self.like)
+        let parts = self.exemplars.iter().map(|part| part.photo);
+        let kept = self.kept().flat_map(Favourite::photos);
+        parts.chain(kept).chain(self.target).chain(self.like)
     }
 
     /// Forgets a photograph that is no longer there.
     pub(super) fn forget(&mut self, photo: PhotoId) {
         let is_other = |part: &ExemplarWeight| part.photo != photo;
+        let is_whole = |kept: &Favourite| kept.exemplars.iter().all(is_other);
         self.exemplars.retain(is_other);
-        self.favourites
-            .retain(|kept| kept.exemplars.iter().all(is_other));
+        self.favourites.retain(is_whole);
+        self.around = self.around.take().filter(is_whole);
         self.target = self.target.filter(|&target| target != photo);
         self.like = self.like.filter(|&like| like != photo);
+        for kept in self.favourites.iter_mut().chain(&mut self.around) {
+            kept.like = kept.like.filter(|&like| like != photo);
+        }
     }
 }
 

@@ -8,6 +8,7 @@
 
 mod crown;
 mod frame;
+mod gallery;
 mod live;
 mod picture_shape;
 mod request;
@@ -18,6 +19,9 @@ pub use crown::{
     crown_of_regions, crown_shape,
 };
 pub use frame::CrownFrame;
+pub use gallery::{
+    GalleryTree, Pool, Slot, choice_settings, favourite_of, gallery_slots, parts_of_mix,
+};
 pub use live::{LiveCrown, LiveInput, LiveResult, Quality};
 pub use picture_shape::{PictureShape, picture_shape};
 pub use request::CrownRequest;

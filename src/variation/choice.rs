@@ -138,6 +138,33 @@ pub fn chosen(
     best.ok_or(last_error)
 }
 
+/// How far the weights of a tree "more like" another go from its own, 0 to 1: at 1 they could be
+/// any. At a third the trees are siblings: alike at a glance, none a copy.
+const NEARNESS: f64 = 1.0 / 3.0;
+
+/// A draw of weights near those of `parts`, of the same exemplars. Colours come from where they came
+/// from; where all gave some, with the weights of the outline again.
+pub fn parts_near(parts: &[Part], seed: Seed) -> Vec<Part> {
+    let mut random = seed.derive("near", 0).random();
+    let share = NEARNESS * random.between(0.3, 1.0);
+    let others = random.convex_weights(parts.len());
+    let is_blend = parts.iter().filter(|part| part.color_weight > 0.0).count() > 1;
+    let near = parts.iter().zip(others).map(|(part, other)| {
+        let contour_weight = (1.0 - share) * part.contour_weight + share * other;
+        let color_weight = if is_blend {
+            contour_weight
+        } else {
+            part.color_weight
+        };
+        Part {
+            contour_weight,
+            color_weight,
+            ..*part
+        }
+    });
+    near.collect()
+}
+
 /// One draw of exemplars and weights.
 fn drawn(
     shapes: &[&Shape],
@@ -354,6 +381,27 @@ mod tests {
             assert!(found.parts[0].contour_weight >= 0.65);
             assert_eq!(found.parts[0].color_weight, 1.0);
         }
+    }
+
+    #[test]
+    fn near_weights_are_convex_near_and_keep_the_giver_of_colours() {
+        let part = |exemplar, contour_weight, color_weight| Part {
+            exemplar,
+            contour_weight,
+            color_weight,
+        };
+        let parts = [part(3, 0.6, 0.0), part(1, 0.4, 1.0)];
+        for seed in 0..50 {
+            let near = parts_near(&parts, Seed(seed));
+            let sum: f64 = near.iter().map(|part| part.contour_weight).sum();
+            assert!((sum - 1.0).abs() < 1e-12);
+            for (near, part) in near.iter().zip(&parts) {
+                assert_eq!(near.exemplar, part.exemplar);
+                assert_eq!(near.color_weight, part.color_weight);
+                assert!((near.contour_weight - part.contour_weight).abs() <= NEARNESS);
+            }
+        }
+        assert_ne!(parts_near(&parts, Seed(1)), parts_near(&parts, Seed(2)));
     }
 
     #[test]

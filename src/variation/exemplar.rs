@@ -7,7 +7,9 @@ use super::normalize::{Normalized, normalized};
 use crate::base::{Cancel, Cancelled, Progress};
 use crate::contour::{Outlines, PinnedContour, Pins, filled, outlines, pins};
 use crate::geometry::Point;
-use crate::raster::{Image, Mask, Premultiplied, Straight, dilated, labelled_components};
+use crate::raster::{
+    Image, Mask, Premultiplied, Rect, Straight, dilated, labelled_components, resized,
+};
 use crate::segment::{Label, Labels, SegmentError, Segmenter, crown_baseline};
 use serde::{Deserialize, Serialize};
 
@@ -125,6 +127,47 @@ impl Exemplar {
             image: normalized.image,
             labels,
         })
+    }
+}
+
+impl Shape {
+    /// The same shape in pixels of a picture of another `size`.
+    pub fn resized(&self, size: u32) -> Self {
+        let scale = f64::from(size) / f64::from(self.size);
+        let scaled = |contour: &PinnedContour| PinnedContour {
+            points: contour.points.iter().map(|point| *point * scale).collect(),
+            pins: contour.pins,
+        };
+        Self {
+            size,
+            contour: scaled(&self.contour),
+            cage: scaled(&self.cage),
+            baseline_y: self.baseline_y.map(|y| y * scale),
+            density: self.density,
+        }
+    }
+}
+
+impl Exemplar {
+    /// The exemplar at another `size`: for quick looks, which need not be prepared anew and
+    /// therefore show what the full size will.
+    pub fn resized(&self, size: u32) -> Self {
+        let own = self.shape.size;
+        let whole = Rect {
+            x: 0,
+            y: 0,
+            width: own,
+            height: own,
+        };
+        let nearest =
+            |i: u32| ((2 * u64::from(i) + 1) * u64::from(own) / (2 * u64::from(size))) as u32;
+        let places = (0..size).flat_map(|y| (0..size).map(move |x| (x, y)));
+        let labels = places.map(|(x, y)| self.labels.at(nearest(x), nearest(y)));
+        Self {
+            shape: self.shape.resized(size),
+            image: resized(&self.image, whole, size, size),
+            labels: Image::from_pixels(size, size, labels.collect()),
+        }
     }
 }
 

@@ -59,6 +59,23 @@ impl Histogram {
         )
     }
 
+    /// The share of the pixels in each of `bins` equal ranges of red, green and blue; the last bin is
+    /// open where 256 is no multiple of `bins`.
+    pub fn shares(&self, bins: usize) -> [Vec<f64>; 3] {
+        let width = 256usize.div_ceil(bins.max(1));
+        let all = self.pixel_count().max(1) as f64;
+        let of = |counts: &[u64; 256]| {
+            let bins = counts.chunks(width);
+            bins.map(|bin| bin.iter().sum::<u64>() as f64 / all)
+                .collect()
+        };
+        [
+            of(&self.counts[0]),
+            of(&self.counts[1]),
+            of(&self.counts[2]),
+        ]
+    }
+
     /// Number of pixels counted.
     pub fn pixel_count(&self) -> u64 {
         self.counts[0].iter().sum()
@@ -190,6 +207,17 @@ fn interpolated(knots: &[(f64, f64)], x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn shares_of_bins_sum_to_one() {
+        let pixels = [[0, 10, 255, 255], [3, 200, 255, 255], [9, 9, 9, 0]];
+        let histogram = Histogram::of_pixels(pixels.map(Straight));
+        let [red, green, blue] = histogram.shares(64);
+        assert_eq!(red[0], 1.0);
+        assert_eq!((green[2], green[50]), (0.5, 0.5));
+        assert_eq!(blue[63], 1.0);
+        assert_eq!(Histogram::of_pixels([]).shares(64)[0], [0.0; 64]);
+    }
     use crate::base::Seed;
 
     fn noise(seed: u64, low: f64, high: f64) -> Image<Straight> {

@@ -41,9 +41,20 @@ pub enum LibraryError {
     Cancelled(#[from] Cancelled),
 }
 
+/// A picture that is to join a library.
+#[derive(Debug, Clone)]
+pub struct LibraryPicture {
+    /// Its file; with `bytes` the name that it stands under in messages and records.
+    pub path: PathBuf,
+    /// What the file holds, where that is at hand: then no file is read.
+    pub bytes: Option<Arc<[u8]>>,
+}
+
 /// A file that did not become part of a library.
 #[derive(Debug)]
 pub struct Refused {
+    /// Its place among the pictures that were given.
+    pub index: usize,
     /// The file.
     pub path: PathBuf,
     /// Why; its text names the file.
@@ -60,6 +71,8 @@ pub struct Entry {
     /// The exemplar's vectors.
     pub shape: Arc<Shape>,
     key: Digest,
+    /// See [`LibraryPicture::bytes`].
+    bytes: Option<Arc<[u8]>>,
 }
 
 impl Entry {
@@ -96,6 +109,33 @@ impl<'a> Library<'a> {
         progress: Progress<'_>,
         cancel: &Cancel,
     ) -> Result<(Self, Vec<Refused>), Cancelled> {
+        let of_file = |path: &PathBuf| LibraryPicture {
+            path: path.clone(),
+            bytes: None,
+        };
+        let pictures: Vec<LibraryPicture> = files.iter().map(of_file).collect();
+        Self::of(
+            &pictures, settings, segmenter, cache, None, progress, cancel,
+        )
+    }
+
+    /// Like [`Library::open`] with pictures that may lie in memory. What `known`, a library that was
+    /// opened before, has of the same pictures with the same settings is taken from it.
+    ///
+    /// Without a folder `cache` the exemplars' pixels are kept from the start, as many as there is
+    /// place for.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn of(
+        pictures: &[LibraryPicture],
+        settings: ExemplarSettings,
+        segmenter: &'a (dyn Segmenter + Sync),
+        cache: Option<&Path>,
+        known: Option<&Library<'_>>,
+        progress: Progress<'_>,
+        cancel: &Cancel,
+    ) -> Result<(Self, Vec<Refused>), Cancelled> {
         let mut library = Self {
             entries: Vec::new(),
             settings,
@@ -103,27 +143,35 @@ impl<'a> Library<'a> {
             cache: cache.map(Cache::new),
             used: Mutex::new(Vec::new()),
         };
-        let stage = progress.stage("prepare", files.len() as u64);
-        let opened: Vec<_> = files
+        let stage = progress.stage("prepare", pictures.len() as u64);
+        let opened: Vec<_> = pictures
             .par_iter()
             .with_max_len(1)
-            .map(|path| {
-                let entry = library.entry(path, progress, cancel);
+            .map(|picture| {
+                let entry = library.entry(picture, known, progress, cancel);
                 stage.advance();
                 entry
             })
             .collect();
         let mut refused = Vec::new();
-        for (path, entry) in files.iter().zip(opened) {
-            match entry {
-                Ok(entry) => library.entries.push(entry),
+        let mut used = Vec::new();
+        for (index, (picture, opened)) in pictures.iter().zip(opened).enumerate() {
+            match opened {
+                Ok((entry, pixels)) => {
+                    let own = library.entries.len();
+                    used.extend(pixels.map(|exemplar| (own, exemplar)));
+                    library.entries.push(entry);
+                }
                 Err(LibraryError::Cancelled(cancelled)) => return Err(cancelled),
                 Err(reason) => refused.push(Refused {
-                    path: path.clone(),
+                    index,
+                    path: picture.path.clone(),
                     reason,
                 }),
             }
         }
+        used.truncate(KEPT);
+        library.used = Mutex::new(used);
         Ok((library, refused))
     }
 
@@ -153,7 +201,7 @@ impl<'a> Library<'a> {
         let exemplar = match cached {
             Some(exemplar) => exemplar,
             None => {
-                let (digest, exemplar) = self.prepared(&entry.path, cancel)?;
+                let (digest, exemplar) = self.prepared(entry, cancel)?;
                 if digest != entry.digest {
                     return Err(LibraryError::Changed {
                         path: entry.path.clone(),
@@ -181,37 +229,64 @@ impl<'a> Library<'a> {
         Some(exemplar)
     }
 
+    /// The entry of `picture`; with its pixels where they were made or found on the way and no
+    /// cache keeps them.
     fn entry(
         &self,
-        path: &Path,
+        picture: &LibraryPicture,
+        known: Option<&Library<'_>>,
         progress: Progress<'_>,
         cancel: &Cancel,
-    ) -> Result<Entry, LibraryError> {
+    ) -> Result<(Entry, Option<Arc<Exemplar>>), LibraryError> {
         cancel.check()?;
-        let bytes = read_limited(path, ReadLimits::default().file_bytes)?;
+        let path = &picture.path;
+        let bytes = match &picture.bytes {
+            Some(bytes) => Arc::clone(bytes),
+            None => read_limited(path, ReadLimits::default().file_bytes)?.into(),
+        };
         let digest = Digest::of(&bytes);
         let key = cache::key(digest, &self.settings, self.segmenter.name());
         let entry = |shape| Entry {
-            path: path.to_owned(),
+            path: path.clone(),
             digest,
-            shape: Arc::new(shape),
+            shape,
             key,
+            bytes: picture.bytes.clone(),
         };
+        if let Some((shape, pixels)) = known.and_then(|known| known.prepared_before(key)) {
+            return Ok((entry(shape), pixels));
+        }
         if let Some(shape) = self.cache.as_ref().and_then(|cache| cache.shape(key)) {
-            return Ok(entry(shape));
+            return Ok((entry(Arc::new(shape)), None));
         }
         let exemplar = self.prepared_from(path, &bytes, cancel)?;
-        if let Some(Err(error)) = self.cache.as_ref().map(|cache| cache.keep(key, &exemplar)) {
+        let shape = Arc::new(exemplar.shape.clone());
+        let Some(cache) = &self.cache else {
+            return Ok((entry(shape), Some(Arc::new(exemplar))));
+        };
+        if let Err(error) = cache.keep(key, &exemplar) {
             progress.warn(&error.to_string());
         }
-        Ok(entry(exemplar.shape))
+        Ok((entry(shape), None))
     }
 
-    fn prepared(&self, path: &Path, cancel: &Cancel) -> Result<(Digest, Exemplar), LibraryError> {
-        let bytes = read_limited(path, ReadLimits::default().file_bytes)?;
+    /// What this library has of the exemplar `key`.
+    fn prepared_before(&self, key: Digest) -> Option<(Arc<Shape>, Option<Arc<Exemplar>>)> {
+        let index = self.entries.iter().position(|entry| entry.key == key)?;
+        Some((
+            Arc::clone(&self.entries[index].shape),
+            self.recently_used(index),
+        ))
+    }
+
+    fn prepared(&self, entry: &Entry, cancel: &Cancel) -> Result<(Digest, Exemplar), LibraryError> {
+        let bytes = match &entry.bytes {
+            Some(bytes) => Arc::clone(bytes),
+            None => read_limited(&entry.path, ReadLimits::default().file_bytes)?.into(),
+        };
         Ok((
             Digest::of(&bytes),
-            self.prepared_from(path, &bytes, cancel)?,
+            self.prepared_from(&entry.path, &bytes, cancel)?,
         ))
     }
 

@@ -1,10 +1,15 @@
 //! From a decision to a finished tree: what `vary`, `morph` and the studio all call.
 
-use super::{Chosen, Exemplar, Library, LibraryError, Palette, Source, WarpPrecision, synthesized};
-use crate::base::Cancel;
+use super::{
+    Chosen, Distortion, Exemplar, Histogram, Layout, Library, LibraryError, Palette, Part, Shape,
+    Source, WarpPrecision, synthesized,
+};
+use crate::base::{Cancel, Cancelled};
+use crate::geometry::Point;
 use crate::raster::{Image, Straight};
 use crate::segment::Labels;
-use std::sync::{Arc, OnceLock};
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// A finished tree.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,30 +59,134 @@ impl<'a> TreeMaker<'a> {
                 color_weight: part.color_weight,
             })
             .collect();
-        let precision = WarpPrecision::Interpolated;
-        let variation = synthesized(&chosen.layout, &sources, precision, cancel)?;
-        let mut image = variation.image.straight();
-        let giving = sources
+        let palette = |index: usize| {
+            let part = chosen.parts[index].exemplar;
+            self.palettes[part].get_or_init(|| Palette::of_exemplar(&exemplars[index]))
+        };
+        let (tree, _) = finished(
+            &chosen.layout,
+            &sources,
+            self.like.as_ref(),
+            palette,
+            cancel,
+        )?;
+        Ok(tree)
+    }
+}
+
+/// The tree of `layout` from its `sources`, and its picture before colours were matched where they
+/// were. `palette` gives that of a source.
+fn finished<'p>(
+    layout: &Layout,
+    sources: &[Source<'_>],
+    like: Option<&Palette>,
+    palette: impl Fn(usize) -> &'p Palette,
+    cancel: &Cancel,
+) -> Result<(Tree, Option<Image<Straight>>), Cancelled> {
+    let variation = synthesized(layout, sources, WarpPrecision::Interpolated, cancel)?;
+    let mut image = variation.image.straight();
+    let gives = |source: &&Source<'_>| source.color_weight > 0.0;
+    let mut before = None;
+    if let Some(like) = like {
+        before = Some(image.clone());
+        Palette::apply(&mut image, &variation.labels, &[(like, 1.0)]);
+    } else if sources.iter().filter(gives).count() > 1 {
+        let weights = sources.iter().map(|source| source.color_weight);
+        let references: Vec<(&Palette, f64)> =
+            weights.enumerate().map(|(i, w)| (palette(i), w)).collect();
+        Palette::apply(&mut image, &variation.labels, &references);
+    }
+    let labels = variation.labels;
+    Ok((Tree { image, labels }, before))
+}
+
+/// A small tree that is made while a hand moves.
+#[derive(Debug, Clone)]
+pub struct Draft {
+    /// The picture, [`Drafts::SIZE`] pixels square.
+    pub image: Image<Straight>,
+    /// Its combined outline, in pixels of the picture.
+    pub outline: Vec<Point>,
+    /// How far its sources are distorted.
+    pub distortion: Distortion,
+    /// Colours before and after the histogram of another picture was taken, if one was.
+    pub histograms: Option<(Histogram, Histogram)>,
+}
+
+/// Exemplars and palettes of a library at the size of drafts, made as they are needed; may be used by
+/// several threads at once.
+#[derive(Default)]
+pub struct Drafts {
+    small: Mutex<BTreeMap<usize, Arc<SmallExemplar>>>,
+}
+
+struct SmallExemplar {
+    exemplar: Exemplar,
+    palette: Palette,
+}
+
+impl Drafts {
+    /// Side of a draft, pixels.
+    pub const SIZE: u32 = 512;
+
+    /// The draft of the tree that `parts` of `library` make, with the colours of `like` if given.
+    ///
+    /// # Errors
+    /// [`LibraryError`] as [`TreeMaker::make`]; `Ok(None)` when the combined outline has no area.
+    pub fn make(
+        &self,
+        library: &Library<'_>,
+        parts: &[Part],
+        like: Option<&Palette>,
+        cancel: &Cancel,
+    ) -> Result<Option<Draft>, LibraryError> {
+        let small: Vec<Arc<SmallExemplar>> = parts
             .iter()
-            .filter(|source| source.color_weight > 0.0)
-            .count();
-        if let Some(like) = &self.like {
-            Palette::apply(&mut image, &variation.labels, &[(like, 1.0)]);
-        } else if giving > 1 {
-            let references: Vec<(&Palette, f64)> = exemplars
-                .iter()
-                .zip(&chosen.parts)
-                .map(|(exemplar, part)| {
-                    let palette =
-                        self.palettes[part.exemplar].get_or_init(|| Palette::of_exemplar(exemplar));
-                    (palette, part.color_weight)
-                })
-                .collect();
-            Palette::apply(&mut image, &variation.labels, &references);
+            .map(|part| self.small(library, part.exemplar, cancel))
+            .collect::<Result<_, _>>()?;
+        let of_parts: Vec<(&Shape, f64, f64)> = small
+            .iter()
+            .zip(parts)
+            .map(|(s, p)| (&s.exemplar.shape, p.contour_weight, p.color_weight))
+            .collect();
+        let Ok(layout) = Layout::new(&of_parts) else {
+            return Ok(None);
+        };
+        let sources: Vec<Source<'_>> = small
+            .iter()
+            .zip(parts)
+            .map(|(small, part)| Source {
+                exemplar: &small.exemplar,
+                contour_weight: part.contour_weight,
+                color_weight: part.color_weight,
+            })
+            .collect();
+        let palette = |index: usize| &small[index].palette;
+        let (tree, before) = finished(&layout, &sources, like, palette, cancel)?;
+        Ok(Some(Draft {
+            histograms: before.map(|before| (Histogram::of(&before), Histogram::of(&tree.image))),
+            image: tree.image,
+            outline: layout.contour.points,
+            distortion: layout.distortion,
+        }))
+    }
+
+    fn small(
+        &self,
+        library: &Library<'_>,
+        index: usize,
+        cancel: &Cancel,
+    ) -> Result<Arc<SmallExemplar>, LibraryError> {
+        let known = || self.small.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(small) = known().get(&index) {
+            return Ok(Arc::clone(small));
         }
-        Ok(Tree {
-            image,
-            labels: variation.labels,
-        })
+        let exemplar = library.exemplar(index, cancel)?.resized(Self::SIZE);
+        let small = Arc::new(SmallExemplar {
+            palette: Palette::of_exemplar(&exemplar),
+            exemplar,
+        });
+        known().insert(index, Arc::clone(&small));
+        Ok(small)
     }
 }

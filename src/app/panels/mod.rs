@@ -3,18 +3,25 @@
 
 mod canvas;
 mod crown;
+mod exemplars;
 mod gallery;
+mod gallery_large;
+mod gallery_tile;
+mod icon;
 mod jobs;
+mod mix;
 mod pictures;
 pub(super) mod screen;
+mod textures;
 mod variation;
 mod view;
 
-use super::action::Action;
+use super::action::{Action, Gesture};
 use super::dock::Pane;
 use super::studio::{Effect, Studio};
+use crate::document::{Edit, VariationSettings};
 use crate::raster::{Image, Straight};
-use egui::{ColorImage, Ui};
+use egui::{ColorImage, Response, Ui};
 
 /// All panels of the window.
 pub(super) struct Panels {
@@ -22,7 +29,9 @@ pub(super) struct Panels {
     canvas: canvas::Canvas,
     view: view::View,
     crown: crown::Crown,
+    exemplars: exemplars::Exemplars,
     gallery: gallery::Gallery,
+    mix: mix::Mix,
     variation: variation::Variation,
 }
 
@@ -33,8 +42,10 @@ impl Panels {
             canvas: canvas::Canvas::default(),
             view: view::View::new(creation),
             crown: crown::Crown,
-            gallery: gallery::Gallery,
-            variation: variation::Variation,
+            exemplars: exemplars::Exemplars::default(),
+            gallery: gallery::Gallery::default(),
+            mix: mix::Mix::default(),
+            variation: variation::Variation::default(),
         }
     }
 
@@ -50,7 +61,9 @@ impl Panels {
             Pane::Canvas => self.canvas.show(ui, studio, actions),
             Pane::View => self.view.show(ui, studio, actions),
             Pane::Crown => self.crown.show(ui, studio, actions),
+            Pane::Exemplars => self.exemplars.show(ui, studio, actions),
             Pane::Gallery => self.gallery.show(ui, studio, actions),
+            Pane::Mix => self.mix.show(ui, studio, actions),
             Pane::Variation => self.variation.show(ui, studio, actions),
             Pane::Jobs => jobs::show(ui, studio, actions),
         }
@@ -77,5 +90,39 @@ fn empty(ui: &mut Ui, heading: &str, text: &str) {
         ui.label(egui::RichText::new(heading).size(15.0));
         ui.add_space(super::theme::TIGHT);
         ui.add(egui::Label::new(egui::RichText::new(text).weak()).wrap());
+    });
+}
+
+/// Where in a gesture of the hand a widget's change stands; `None` when it has none.
+fn gesture_of(response: &Response) -> Option<Gesture> {
+    if response.drag_stopped() {
+        Some(Gesture::Ended)
+    } else if response.changed() {
+        let is_held = response.dragged();
+        Some(if is_held {
+            Gesture::Going
+        } else {
+            Gesture::Whole
+        })
+    } else {
+        None
+    }
+}
+
+/// Asks for a change of the variations' settings, if there is a gesture.
+fn changed_settings(
+    actions: &mut Vec<Action>,
+    studio: &Studio,
+    label: &'static str,
+    gesture: Option<Gesture>,
+    change: impl FnOnce(&mut VariationSettings),
+) {
+    let Some(gesture) = gesture else { return };
+    let mut settings = studio.document().state().content().variation.clone();
+    change(&mut settings);
+    actions.push(Action::Edit {
+        label,
+        edit: Edit::SetVariation(Box::new(settings)),
+        gesture,
     });
 }

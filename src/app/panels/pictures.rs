@@ -128,7 +128,7 @@ impl Pictures {
 }
 
 /// `text` without its middle where it is wider than `width` points: ends of file names tell.
-fn elided(ui: &Ui, text: &str, width: f32) -> String {
+pub(super) fn elided(ui: &Ui, text: &str, width: f32) -> String {
     let wide = |text: &str| {
         let font = FontId::proportional(11.0);
         ui.fonts_mut(|fonts| {

@@ -1,16 +1,305 @@
-//! How new trees are made.
+//! How new trees are made: how many exemplars each mixes, what they resemble, where colours come
+//! from; and what leads out of the studio, batches and exports.
 
 use super::super::action::Action;
+use super::super::commands::Command;
+use super::super::photos::Thumbnail;
 use super::super::studio::Studio;
-use super::empty;
-use egui::Ui;
+use super::super::theme::{GAP, TIGHT, tokens};
+use super::textures::Textures;
+use super::{changed_settings, empty, gesture_of};
+use crate::document::{Coloring, PhotoId, VariationSettings};
+use crate::variation::Histogram;
+use egui::{Color32, Rect, Sense, Slider, Ui, pos2, vec2};
+use egui_plot::{Line, LineStyle, Plot, PlotPoints};
+
+use super::super::action::Gesture;
+
+/// Columns of a plotted histogram.
+const BINS: usize = 64;
+
+/// Side of a well that pictures are dropped into, points.
+const WELL: f32 = 52.0;
 
 /// The panel.
 #[derive(Default)]
-pub(super) struct Variation;
+pub(super) struct Variation {
+    textures: Textures,
+}
 
 impl Variation {
-    pub(super) fn show(&mut self, ui: &mut Ui, _studio: &Studio, _actions: &mut Vec<Action>) {
-        empty(ui, "Nothing to set", "Add some cut-out trees first.");
+    pub(super) fn show(&mut self, ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
+        if studio.vary.prepared.is_none() {
+            empty(ui, "Nothing to set", "Add some cut-out trees first.");
+            return;
+        }
+        let settings = &studio.document().state().content().variation;
+        egui::Frame::NONE.inner_margin(GAP).show(ui, |ui| {
+            let area = egui::ScrollArea::vertical().auto_shrink(false);
+            area.show(ui, |ui| {
+                chances(ui, studio, settings, actions);
+                self.target(ui, studio, settings, actions);
+                self.colors(ui, studio, settings, actions);
+                heading(ui, "Out");
+                ui.horizontal(|ui| {
+                    for command in [Command::MakeTrees, Command::ExportTrees] {
+                        let row = command.row();
+                        if ui.button(row.label).on_hover_text(row.help).clicked() {
+                            actions.push(Action::Do(command));
+                        }
+                    }
+                });
+            });
+        });
+        self.textures.sweep(ui);
     }
+
+    fn target(
+        &mut self,
+        ui: &mut Ui,
+        studio: &Studio,
+        settings: &VariationSettings,
+        actions: &mut Vec<Action>,
+    ) {
+        heading(ui, "Target");
+        let help = "A picture that all trees are made like. Drop an exemplar here.";
+        if let Some(target) = self.well(ui, studio, ("Target", help), settings.target) {
+            let whole = Some(Gesture::Whole);
+            changed_settings(actions, studio, "Target", whole, |s| s.target = target);
+        }
+        ui.add_enabled_ui(settings.target.is_some(), |ui| {
+            let mut strength = settings.strength;
+            let slider = slider_row(ui, "Strength", Slider::new(&mut strength, 0.0..=1.0));
+            let slider = slider.on_hover_text(
+                "How far trees go from the target: at 0 they copy it, at 1 half of the outline is others'.",
+            );
+            let gesture = gesture_of(&slider);
+            changed_settings(actions, studio, "Strength", gesture, |s| s.strength = strength);
+        });
+    }
+
+    fn colors(
+        &mut self,
+        ui: &mut Ui,
+        studio: &Studio,
+        settings: &VariationSettings,
+        actions: &mut Vec<Action>,
+    ) {
+        heading(ui, "Colours");
+        ui.horizontal(|ui| {
+            for (coloring, label, help) in [
+                (
+                    Coloring::One,
+                    "Of One",
+                    "All colours from one exemplar: the crispest leaves.",
+                ),
+                (
+                    Coloring::Blend,
+                    "Blended",
+                    "Colours of all exemplars, averaged by their shares.",
+                ),
+            ] {
+                let is_on = settings.coloring == coloring;
+                if ui
+                    .selectable_label(is_on, label)
+                    .on_hover_text(help)
+                    .clicked()
+                    && !is_on
+                {
+                    let whole = Some(Gesture::Whole);
+                    changed_settings(actions, studio, "Colours", whole, |s| s.coloring = coloring);
+                }
+            }
+        });
+        let help =
+            "Takes the colours of this picture, for another season say. Drop an exemplar here.";
+        if let Some(like) = self.well(ui, studio, ("Like", help), settings.like) {
+            let whole = Some(Gesture::Whole);
+            changed_settings(actions, studio, "Colours Like", whole, |s| s.like = like);
+        }
+        let draft = studio.vary.draft.as_ref();
+        match draft.and_then(|(_, draft)| draft.histograms.as_ref()) {
+            Some((before, after)) => histograms(ui, before, after),
+            None if settings.like.is_some() => {}
+            None => {
+                ui.weak("With a picture here the colours before and after are plotted.");
+            }
+        }
+    }
+
+    /// A well with a picture or none; what it is to hold from now on, if that changed.
+    fn well(
+        &mut self,
+        ui: &mut Ui,
+        studio: &Studio,
+        (name, help): (&str, &str),
+        holds: Option<PhotoId>,
+    ) -> Option<Option<PhotoId>> {
+        let photos = &studio.document().state().content().photos;
+        let prepared = studio.vary.prepared.as_ref()?;
+        let mut wanted = None;
+        ui.horizontal(|ui| {
+            let (rect, response) = ui.allocate_exact_size(vec2(WELL, WELL), Sense::hover());
+            let hovers = response.dnd_hover_payload::<PhotoId>().is_some();
+            response.widget_info(|| {
+                let name = format!("{name}: drop a picture");
+                egui::WidgetInfo::labeled(egui::Role::Image, true, name)
+            });
+            let tokens = tokens(ui);
+            let edge = if hovers { tokens.accent } else { tokens.line };
+            ui.painter().rect_filled(rect, 5.0, tokens.sunken);
+            let stroke = egui::Stroke::new(1.0, edge);
+            ui.painter()
+                .rect_stroke(rect, 5.0, stroke, egui::StrokeKind::Inside);
+            if let Some(photo) = holds.and_then(|id| photos.get(&id)) {
+                self.picture(ui, studio, photo, rect.shrink(TIGHT));
+            }
+            if let Some(dropped) = response.dnd_release_payload::<PhotoId>() {
+                wanted = Some(Some(*dropped));
+            }
+            response.on_hover_text(help);
+            ui.vertical(|ui| {
+                let label = ui.label(name);
+                let title = |id: Option<PhotoId>| {
+                    let photo = id.and_then(|id| photos.get(&id));
+                    photo.map_or("None", |photo| photo.name.as_str())
+                };
+                let choice = egui::ComboBox::from_id_salt(name)
+                    .selected_text(title(holds))
+                    .truncate();
+                let choice = choice.show_ui(ui, |ui| {
+                    let usable = prepared.photos.iter().copied().map(Some);
+                    for id in std::iter::once(None).chain(usable) {
+                        if ui.selectable_label(holds == id, title(id)).clicked() && holds != id {
+                            wanted = Some(id);
+                        }
+                    }
+                });
+                choice.response.labelled_by(label.id);
+            });
+        });
+        wanted
+    }
+
+    fn picture(&mut self, ui: &Ui, studio: &Studio, photo: &crate::document::Photo, place: Rect) {
+        if let Some(Thumbnail::Ready(image)) = studio.photos.thumbnail(photo.digest) {
+            let texture = self.textures.of(ui.ctx(), photo.digest, image);
+            let size = texture.size_vec2();
+            let scale = (place.width() / size.x).min(place.height() / size.y);
+            let rect = Rect::from_center_size(place.center(), size * scale);
+            let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+            ui.painter().image(texture.id(), rect, uv, Color32::WHITE);
+        }
+    }
+}
+
+fn heading(ui: &mut Ui, text: &str) {
+    ui.add_space(TIGHT);
+    ui.label(egui::RichText::new(text).strong());
+}
+
+/// A slider with its name before it, the names of a panel in one column.
+fn slider_row(ui: &mut Ui, name: &str, slider: Slider<'_>) -> egui::Response {
+    ui.horizontal(|ui| {
+        let size = vec2(96.0, ui.spacing().interact_size.y);
+        let label = ui.allocate_ui_with_layout(
+            size,
+            egui::Layout::left_to_right(egui::Align::Center),
+            |ui| {
+                ui.set_min_width(size.x);
+                ui.label(name)
+            },
+        );
+        ui.add(slider).labelled_by(label.inner.id)
+    })
+    .inner
+}
+
+/// How many exemplars a tree mixes, and how unevenly.
+fn chances(ui: &mut Ui, studio: &Studio, settings: &VariationSettings, actions: &mut Vec<Action>) {
+    heading(ui, "Chance");
+    let mut mix = settings.mix;
+    let slider = slider_row(
+        ui,
+        "Exemplars each",
+        Slider::new(&mut mix, 1..=6).clamping(egui::SliderClamping::Edits),
+    );
+    let slider = slider.on_hover_text("How many exemplars a tree of the gallery mixes.");
+    changed_settings(
+        actions,
+        studio,
+        "Exemplars Each",
+        gesture_of(&slider),
+        |s| {
+            s.mix = mix.clamp(1, 16);
+        },
+    );
+    let is_pair = settings.mix == 2 && settings.target.is_none();
+    ui.add_enabled_ui(is_pair, |ui| {
+        let (mut low, mut high) = settings.weights;
+        let help = "Of two exemplars the first has a share drawn from this range.";
+        let slider = slider_row(
+            ui,
+            "Share from",
+            Slider::new(&mut low, 0.0..=1.0).fixed_decimals(2),
+        );
+        changed_settings(
+            actions,
+            studio,
+            "Shares",
+            gesture_of(&slider.on_hover_text(help)),
+            |s| {
+                s.weights = (low, high.max(low));
+            },
+        );
+        let slider = slider_row(
+            ui,
+            "to",
+            Slider::new(&mut high, 0.0..=1.0).fixed_decimals(2),
+        );
+        changed_settings(
+            actions,
+            studio,
+            "Shares",
+            gesture_of(&slider.on_hover_text(help)),
+            |s| {
+                s.weights = (low.min(high), high);
+            },
+        );
+    });
+}
+
+/// The colours of the mixed tree before and after another picture's were taken.
+fn histograms(ui: &mut Ui, before: &Histogram, after: &Histogram) {
+    let colors = tokens(ui).channels;
+    ui.weak("Colours of the mixed tree: dashed before, solid after.");
+    let plot = Plot::new("histograms")
+        .height(96.0)
+        .show_axes(false)
+        .show_grid(false)
+        .show_x(false)
+        .show_y(false)
+        .allow_drag(false)
+        .allow_zoom(false)
+        .allow_scroll(false)
+        .allow_boxed_zoom(false);
+    plot.show(ui, |plot| {
+        for (histogram, style, when) in [
+            (before, LineStyle::dashed_dense(), "before"),
+            (after, LineStyle::Solid, "after"),
+        ] {
+            for ((shares, color), channel) in histogram
+                .shares(BINS)
+                .into_iter()
+                .zip(colors)
+                .zip(["Red", "Green", "Blue"])
+            {
+                let points = (0..)
+                    .zip(shares)
+                    .map(|(bin, share)| [(f64::from(bin) + 0.5) / BINS as f64, share]);
+                let line = Line::new(format!("{channel} {when}"), PlotPoints::from_iter(points));
+                plot.line(line.color(color).style(style).width(1.4));
+            }
+        }
+    });
 }

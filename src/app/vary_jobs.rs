@@ -1,0 +1,351 @@
+//! The jobs of the variations, and what becomes of their results.
+
+use super::outcome::Outcome;
+use super::photos::THUMBNAIL_PX;
+use super::studio::{Studio, Workspace};
+use super::vary::{Cell, Large, Prepared, TILE_PX, Tile};
+use crate::base::{Cancel, Digest, Hasher};
+use crate::document::PhotoId;
+use crate::jobs::{Context, JobError, Priority, Request, Topic};
+use crate::pipeline::{Pool, choice_settings};
+use crate::raster::{Image, Premultiplied, Rect, Straight, resized};
+use crate::segment::Classical;
+use crate::variation::{
+    ChoiceSettings, Chosen, Draft, Drafts, Exemplar, ExemplarSettings, Library, LibraryError,
+    LibraryPicture, Palette, TreeMaker,
+};
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// The job that fills the gallery.
+pub(super) const GALLERY: &str = "gallery";
+
+/// What these jobs give back.
+pub(super) enum VaryOutcome {
+    /// The exemplars.
+    Prepared(Box<Prepared>),
+    /// A tree of the gallery, or why there is none.
+    Tile(Cell, Result<Tile, String>),
+    /// All trees were made.
+    GalleryIsFull,
+    /// The mix that the hand holds; `None` when it cannot be mixed.
+    Draft(Digest, Option<Box<Draft>>),
+    /// A tree at full size.
+    Large(Digest, Arc<Image<Straight>>),
+}
+
+fn topic(kind: &'static str) -> Topic {
+    Topic { kind, item: 0 }
+}
+
+fn failed(error: LibraryError) -> JobError {
+    match error {
+        LibraryError::Cancelled(cancelled) => cancelled.into(),
+        error => JobError::failed(error),
+    }
+}
+
+impl Studio {
+    /// Asks for what the variations' workspace shows and is not there: exemplars, trees, the preview.
+    pub(super) fn refresh_variations(&mut self) {
+        if self.workspace != Workspace::Variations {
+            return;
+        }
+        let stamp = self.prepare_exemplars();
+        let is_current = |prepared: &Prepared| prepared.stamp == stamp;
+        if self.vary.prepared.as_ref().is_some_and(is_current) {
+            let settings = &self.document.state().content().variation;
+            self.vary.lay_out(settings);
+            self.fill_gallery();
+            self.draw_draft();
+        }
+    }
+
+    /// Takes up what one of these jobs gave.
+    pub(super) fn accept_variation(&mut self, outcome: VaryOutcome) {
+        match outcome {
+            VaryOutcome::Prepared(prepared) => {
+                self.vary.prepared = Some(*prepared);
+                self.refresh_variations();
+            }
+            VaryOutcome::Tile(cell, tile) => self.vary.put(&cell, tile),
+            VaryOutcome::GalleryIsFull => {}
+            VaryOutcome::Draft(key, draft) => {
+                self.vary.draft = draft.map(|draft| (key, Arc::from(draft)));
+            }
+            VaryOutcome::Large(key, image) => {
+                if let Some(large) = &mut self.vary.large
+                    && large.cell.key == key
+                {
+                    large.image = Some(image);
+                }
+            }
+        }
+    }
+
+    /// Prepares all pictures unless that was asked for; the stamp of what is asked for now.
+    fn prepare_exemplars(&mut self) -> Digest {
+        let photos = &self.document.state().content().photos;
+        let mut stamp = Hasher::new("exemplars");
+        let (mut pictures, mut ids) = (Vec::new(), Vec::new());
+        for (&id, photo) in photos {
+            stamp = stamp.with(&id.0.to_le_bytes()).with(photo.digest.bytes());
+            if let Some(bytes) = self.document.photo_bytes(id) {
+                ids.push(id);
+                pictures.push(LibraryPicture {
+                    path: PathBuf::from(&photo.name),
+                    bytes: Some(Arc::clone(bytes)),
+                });
+            }
+        }
+        let stamp = stamp.finish();
+        if self.vary.asked_for == Some(stamp) {
+            return stamp;
+        }
+        self.vary.asked_for = Some(stamp);
+        let known = self.vary.prepared.as_ref();
+        let known = known.map(|prepared| Arc::clone(&prepared.library));
+        let work = move |context: &Context<Outcome>| {
+            let prepared = prepared(stamp, &pictures, &ids, known.as_deref(), context)?;
+            let prepared = VaryOutcome::Prepared(Box::new(prepared));
+            Ok(Outcome::Vary(prepared))
+        };
+        let request = Request::new(
+            "Preparing exemplars",
+            topic("exemplars"),
+            Priority::Preview,
+            work,
+        );
+        self.jobs.submit(request);
+        stamp
+    }
+
+    /// Makes the trees that are missing unless that was asked for.
+    fn fill_gallery(&mut self) {
+        let missing = self.vary.missing();
+        let mut asked = Hasher::new("gallery");
+        for cell in self.vary.gallery.iter().chain(&self.vary.favourites) {
+            asked = asked.with(cell.key.bytes());
+        }
+        let asked = asked.finish();
+        if self.vary.asked_trees == Some(asked) {
+            return;
+        }
+        self.vary.asked_trees = Some(asked);
+        let Some(maker) = self.gallery_maker() else {
+            return;
+        };
+        let work = move |context: &Context<Outcome>| {
+            let stage = context.progress().stage("grow trees", missing.len() as u64);
+            let mut makers = Makers::default();
+            for cell in missing {
+                context.check()?;
+                let tile = match maker.tile(&mut makers, &cell, context.cancel()) {
+                    Err(JobError::Cancelled(cancelled)) => return Err(cancelled.into()),
+                    tile => tile.map_err(|error| error.to_string()),
+                };
+                context.publish(Outcome::Vary(VaryOutcome::Tile(cell, tile)));
+                stage.advance();
+            }
+            Ok(Outcome::Vary(VaryOutcome::GalleryIsFull))
+        };
+        // Also with nothing to do: what is still being made is for settings that are gone.
+        let request = Request::new(
+            "Growing the gallery",
+            topic(GALLERY),
+            Priority::Preview,
+            work,
+        );
+        self.jobs.submit(request);
+    }
+
+    fn gallery_maker(&self) -> Option<GalleryMaker> {
+        let prepared = self.vary.prepared.as_ref()?;
+        Some(GalleryMaker {
+            library: Arc::clone(&prepared.library),
+            palettes: Arc::clone(&prepared.palettes),
+            photos: prepared.photos.clone(),
+            pool: self.vary.pool.clone(),
+            choice: choice_settings(&self.document.state().content().variation),
+        })
+    }
+
+    /// Makes the mix that the hand holds.
+    fn draw_draft(&mut self) {
+        let settings = &self.document.state().content().variation;
+        let Some(prepared) = &self.vary.prepared else {
+            return;
+        };
+        let Some(parts) = self.vary.mixed_parts(settings) else {
+            self.vary.draft = None;
+            return;
+        };
+        let like = settings.like.and_then(|like| prepared.index(like));
+        let key = Hasher::new("draft")
+            .with(prepared.stamp.bytes())
+            .with(format!("{parts:?} {like:?}").as_bytes())
+            .finish();
+        if self.vary.asked_draft == Some(key) {
+            return;
+        }
+        self.vary.asked_draft = Some(key);
+        let library = Arc::clone(&prepared.library);
+        let drafts: Arc<Drafts> = Arc::clone(&prepared.drafts);
+        let palettes = Arc::clone(&prepared.palettes);
+        let work = move |context: &Context<Outcome>| {
+            let cancel = context.cancel();
+            let like = like.map(|like| palette(&library, &palettes, like, cancel));
+            let like = like.transpose().map_err(failed)?;
+            let draft = drafts.make(&library, &parts, like.as_deref(), cancel);
+            let draft = draft.map_err(failed)?.map(Box::new);
+            Ok(Outcome::Vary(VaryOutcome::Draft(key, draft)))
+        };
+        let request = Request::new("Mixing", topic("draft"), Priority::Interactive, work);
+        self.jobs.submit(request);
+    }
+
+    /// Shows a tree over the whole gallery and makes it at full size.
+    pub(super) fn open_large(&mut self, cell: Cell) {
+        let Some(maker) = self.gallery_maker() else {
+            return;
+        };
+        self.vary.large = Some(Large {
+            cell: cell.clone(),
+            image: None,
+        });
+        let work = move |context: &Context<Outcome>| {
+            let mut makers = Makers::default();
+            let (image, _) = maker.made(&mut makers, &cell, context.cancel())?;
+            let outcome = VaryOutcome::Large(cell.key, Arc::new(image));
+            Ok(Outcome::Vary(outcome))
+        };
+        let request = Request::new(
+            "Growing a tree",
+            topic("large"),
+            Priority::Interactive,
+            work,
+        );
+        self.jobs.submit(request);
+    }
+}
+
+fn prepared(
+    stamp: Digest,
+    pictures: &[LibraryPicture],
+    ids: &[PhotoId],
+    known: Option<&Library<'_>>,
+    context: &Context<Outcome>,
+) -> Result<Prepared, JobError> {
+    let (library, refused) = Library::of(
+        pictures,
+        ExemplarSettings::default(),
+        &Classical,
+        None,
+        known,
+        context.progress(),
+        context.cancel(),
+    )?;
+    let refused: BTreeMap<PhotoId, String> = refused
+        .into_iter()
+        .map(|refused| (ids[refused.index], refused.reason.to_string()))
+        .collect();
+    let photos = ids.iter().copied().filter(|id| !refused.contains_key(id));
+    let photos: Vec<PhotoId> = photos.collect();
+    let mut small = Vec::new();
+    for index in 0..photos.len() {
+        let exemplar: Arc<Exemplar> = library.exemplar(index, context.cancel()).map_err(failed)?;
+        small.push(Arc::new(reduced(&exemplar.image, THUMBNAIL_PX).straight()));
+    }
+    Ok(Prepared {
+        stamp,
+        library: Arc::new(library),
+        drafts: Arc::default(),
+        palettes: Arc::default(),
+        photos,
+        small,
+        refused,
+    })
+}
+
+/// The whole of a square picture at another size.
+fn reduced(image: &Image<Premultiplied>, size: u32) -> Image<Premultiplied> {
+    let whole = Rect {
+        x: 0,
+        y: 0,
+        width: image.width(),
+        height: image.height(),
+    };
+    resized(image, whole, size, size)
+}
+
+/// The palette of an exemplar, made once.
+fn palette(
+    library: &Library<'_>,
+    palettes: &Mutex<BTreeMap<usize, Arc<Palette>>>,
+    index: usize,
+    cancel: &Cancel,
+) -> Result<Arc<Palette>, LibraryError> {
+    let known = || palettes.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(palette) = known().get(&index) {
+        return Ok(Arc::clone(palette));
+    }
+    let palette = Arc::new(Palette::of_exemplar(&*library.exemplar(index, cancel)?));
+    known().insert(index, Arc::clone(&palette));
+    Ok(palette)
+}
+
+/// All that trees of the gallery are made from, for a job to own.
+struct GalleryMaker {
+    library: Arc<Library<'static>>,
+    palettes: Arc<Mutex<BTreeMap<usize, Arc<Palette>>>>,
+    photos: Vec<PhotoId>,
+    pool: Pool,
+    choice: ChoiceSettings,
+}
+
+/// The makers of a job's trees, for each picture that gives its histogram.
+type Makers<'a> = BTreeMap<Option<PhotoId>, TreeMaker<'a>>;
+
+impl GalleryMaker {
+    /// The tree of `cell` at full size, and how it was decided.
+    fn made<'a>(
+        &'a self,
+        makers: &mut Makers<'a>,
+        cell: &Cell,
+        cancel: &Cancel,
+    ) -> Result<(Image<Straight>, Chosen), JobError> {
+        let chosen = self.pool.chosen(&self.library, &cell.tree, &self.choice);
+        let chosen = chosen.map_err(JobError::failed)?;
+        let maker = match makers.entry(cell.like) {
+            Entry::Occupied(maker) => maker.into_mut(),
+            Entry::Vacant(place) => place.insert(self.maker(cell.like, cancel)?),
+        };
+        let tree = maker.make(&chosen, cancel).map_err(failed)?;
+        Ok((tree.image, chosen))
+    }
+
+    fn maker(&self, like: Option<PhotoId>, cancel: &Cancel) -> Result<TreeMaker<'_>, JobError> {
+        let index = |like| self.photos.iter().position(|id| *id == like);
+        let like = like.and_then(index);
+        let like = like.map(|like| palette(&self.library, &self.palettes, like, cancel));
+        let like = like.transpose().map_err(failed)?;
+        let like = like.map(|like| Palette::clone(&like));
+        Ok(TreeMaker::new(&self.library, like))
+    }
+
+    fn tile<'a>(
+        &'a self,
+        makers: &mut Makers<'a>,
+        cell: &Cell,
+        cancel: &Cancel,
+    ) -> Result<Tile, JobError> {
+        let (image, chosen) = self.made(makers, cell, cancel)?;
+        Ok(Tile {
+            image: Arc::new(reduced(&image.premultiplied(), TILE_PX).straight()),
+            is_distorted: !chosen.layout.distortion.is_small(),
+            parts: chosen.parts,
+        })
+    }
+}

@@ -114,7 +114,8 @@ fn panes(tree: &Tree<Pane>) -> impl Iterator<Item = Pane> + '_ {
 fn arranged(name: &str, columns: &[(&[Pane], f32)]) -> Tree<Pane> {
     let stacks: Vec<[&[Pane]; 1]> = columns.iter().map(|(panes, _)| [*panes]).collect();
     let shares = columns.iter().map(|(_, share)| *share);
-    let columns: Vec<(&[&[Pane]], f32)> = stacks.iter().map(<[_; 1]>::as_slice).zip(shares).collect();
+    let columns: Vec<(&[&[Pane]], f32)> =
+        stacks.iter().map(<[_; 1]>::as_slice).zip(shares).collect();
     arranged_in(name, &columns)
 }
 

@@ -3,6 +3,7 @@
 //! `rfd` asks the desktop's portal. Without one it answers at once, as if the user had cancelled; no
 //! hand is that quick, so our own dialog, a field for the path, opens then.
 
+use super::act_vary::VaryAction;
 use super::action::Action;
 use super::theme::GAP;
 use std::path::PathBuf;
@@ -19,6 +20,8 @@ pub(super) enum Purpose {
     Open,
     /// The file to save the project to.
     Save,
+    /// A folder to write trees to.
+    Folder,
 }
 
 /// The dialogs of the window; one at a time.
@@ -94,6 +97,7 @@ impl FileDialogs {
 fn of_desktop(purpose: Purpose) -> Option<Vec<PathBuf>> {
     let dialog = rfd::FileDialog::new();
     match purpose {
+        Purpose::Folder => dialog.pick_folder().map(|path| vec![path]),
         Purpose::Open => dialog
             .add_filter(
                 "Projects and pictures",
@@ -115,6 +119,10 @@ fn of_desktop(purpose: Purpose) -> Option<Vec<PathBuf>> {
 
 fn chosen(purpose: Purpose, mut paths: Vec<PathBuf>) -> Option<Action> {
     match purpose {
+        Purpose::Folder => {
+            let folder = paths.pop()?;
+            Some(Action::Vary(VaryAction::ChoseFolder(folder)))
+        }
         Purpose::Open => (!paths.is_empty()).then_some(Action::Open(paths)),
         Purpose::Save => {
             let mut path = paths.pop()?;
@@ -141,12 +149,13 @@ impl OwnDialog {
         let (title, verb) = match self.purpose {
             Purpose::Open => ("Open", "Open"),
             Purpose::Save => ("Save Project As", "Save"),
+            Purpose::Folder => ("Choose a Folder", "Choose"),
         };
         let modal = egui::Modal::new(egui::Id::unique("own file dialog")).show(ctx, |ui| {
             ui.set_width(460.0);
             ui.heading(title);
             ui.add_space(GAP);
-            ui.label("This desktop offers no file dialog. Type or paste the path of the file.");
+            ui.label("This desktop offers no file dialog. Type or paste the path.");
             let label = ui.label("Path");
             let field = ui.add(
                 egui::TextEdit::singleline(&mut self.path)

@@ -14,9 +14,11 @@
 mod act;
 mod act_vary;
 mod action;
+mod batch_jobs;
 mod commands;
 mod dock;
 mod files;
+mod make_dialog;
 mod outcome;
 mod palette;
 mod panels;
@@ -32,6 +34,7 @@ mod vary_jobs;
 
 pub use act_vary::VaryAction;
 pub use action::{Action, Gesture};
+pub use batch_jobs::{BatchSettings, ExportChoice, Which};
 pub use commands::{Command, Menu};
 pub use shell::{Shell, StartError, run};
 pub use studio::{Studio, Workspace};

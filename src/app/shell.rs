@@ -4,6 +4,7 @@ use super::action::{Action, Answer};
 use super::commands::{Command, Menu, TABLE};
 use super::dock::{Layouts, Pane};
 use super::files::{FileDialogs, Purpose};
+use super::make_dialog::MakeDialog;
 use super::panels::Panels;
 use super::preferences::Preferences;
 use super::studio::{Effect, Next, Question, Severity, Studio, Workspace};
@@ -65,6 +66,7 @@ pub struct Shell {
     layouts: Layouts,
     panels: Panels,
     dialogs: FileDialogs,
+    make_dialog: MakeDialog,
     palette: palette::Palette,
     shows_shortcuts: bool,
     shows_about: bool,
@@ -107,6 +109,7 @@ impl Shell {
             layouts: layouts.filter(Layouts::is_complete).unwrap_or_default(),
             panels: Panels::new(creation),
             dialogs: FileDialogs::default(),
+            make_dialog: MakeDialog::default(),
             palette: palette::Palette::default(),
             shows_shortcuts: false,
             shows_about: false,
@@ -129,6 +132,8 @@ impl Shell {
         match effect {
             Effect::AskWhatToOpen => self.dialogs.ask(Purpose::Open, ctx),
             Effect::AskWhereToSave => self.dialogs.ask(Purpose::Save, ctx),
+            Effect::AskForFolder => self.dialogs.ask(Purpose::Folder, ctx),
+            Effect::AskWhatToMake(command) => self.make_dialog.open(command),
             Effect::ZoomToFit | Effect::ZoomToPixels => self.panels.perform(&effect),
             Effect::RestoreLayout => self.layouts = Layouts::default(),
             Effect::TogglePalette => self.palette.toggle(),
@@ -166,6 +171,7 @@ impl Shell {
 
     fn draw_over(&mut self, ctx: &Context, actions: &mut Vec<Action>) {
         self.palette.show(ctx, &self.studio, actions);
+        self.make_dialog.show(ctx, &self.studio, actions);
         self.dialogs.show(ctx, actions);
         if self.shows_shortcuts {
             shortcut_sheet::show(ctx, &mut self.shows_shortcuts);

@@ -1,29 +1,18 @@
 //! `boscage export`: a library of trees → a folder that a consumer takes as it is.
 
-use super::export_crown::{
+use super::failure::Failure;
+use super::records::LibraryRecord;
+use super::session::Session;
+use super::{Job, Stages};
+use crate::batch::export::{Export, ExportSettings, check_trees};
+use crate::batch::export_crown::{
     CrownExport, CrownExportSettings, ImpostorName, LeafName, crown_folders,
 };
-use super::export_pages::{write_atlas, write_flightgear};
-use super::export_tree::{
-    BlockName, ExportMap, ExportedTree, Sample, TextureForm, export_tree, tree_files,
-};
-use super::failure::Failure;
-use super::records::{LibraryRecord, TreeRecord};
-use super::session::Session;
-use super::{Job, Stages, items};
-use crate::base::Seed;
-use crate::export::{
-    BlockFormat, LicenseRecord, Preset, PresetLibrary, PresetTree, ScatterSettings, SpriteSettings,
-    TreeModel, WindChannels, gallery_list, gallery_page, scattered,
-};
+use crate::batch::export_tree::{BlockName, ExportMap, TextureForm};
+use crate::export::{LicenseRecord, Preset, SpriteSettings, WindChannels};
 use clap::{Args, ValueEnum};
 use serde_json::json;
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-
-/// Trees in the sample scene, and the sides of its ground.
-const SAMPLES: usize = 6;
-const SCATTER_SIDE: u32 = 10;
 
 /// Write a library or crowns for an engine
 ///
@@ -130,24 +119,6 @@ impl PresetName {
     }
 }
 
-/// A checked job's settings.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct ExportSettings {
-    pub(super) out: PathBuf,
-    pub(super) preset: Preset,
-    pub(super) sprite: SpriteSettings,
-    pub(super) planes: u32,
-    pub(super) maps: Vec<ExportMap>,
-    pub(super) textures: Vec<TextureForm>,
-    pub(super) blocks: BlockFormat,
-    pub(super) atlas: bool,
-    pub(super) atlas_tree: u32,
-    pub(super) evergreen: bool,
-    pub(super) wind: WindChannels,
-    pub(super) rights: LicenseRecord,
-    pub(super) crowns: CrownExportSettings,
-}
-
 impl Job for Flags {
     fn stages(&self) -> Stages {
         &[("export", 85.0), ("atlas", 10.0), ("scene", 5.0)]
@@ -158,7 +129,15 @@ impl Job for Flags {
         if !crowns.is_empty() {
             let settings = &self.checked(session)?;
             let crowns = &crowns;
-            return CrownExport { settings, crowns }.run(session);
+            let made = CrownExport { settings, crowns }.run(session)?;
+            return session.print_json(|| {
+                json!({
+                    "preset": settings.preset.name(),
+                    "crowns": made.records,
+                    "refused": made.refused,
+                    "seconds": session.seconds(),
+                })
+            });
         }
         let file = if self.library.is_dir() {
             self.library.join("library.json")
@@ -169,36 +148,25 @@ impl Job for Flags {
         check_trees(&library.trees, &file)?;
         let settings = self.checked(session)?;
         let folder = file.parent().unwrap_or(Path::new("."));
-        Export {
+        let export = Export {
             settings: &settings,
             trees: &library.trees,
             folder,
-        }
-        .run(session)
+        };
+        let made = export.run(session)?;
+        session.print_json(|| {
+            let trees = &made.records;
+            let saved: f64 = trees.iter().map(|tree| tree.cutout.overdraw_saved).sum();
+            json!({
+                "preset": settings.preset.name(),
+                "trees": trees.len(),
+                "refused": made.refused,
+                "files": made.files,
+                "overdraw_saved": saved / trees.len().max(1) as f64,
+                "seconds": session.seconds(),
+            })
+        })
     }
-}
-
-/// Fails for trees that are no plain files in the library's folder.
-fn check_trees(trees: &[TreeRecord], file: &Path) -> Result<(), Failure> {
-    if trees.is_empty() {
-        return Err(Failure::of(file.display(), "lists no trees"));
-    }
-    let mut names = std::collections::BTreeSet::new();
-    for tree in trees {
-        if tree.name().contains(['/', '\\']) || tree.name().starts_with('.') {
-            return Err(Failure::of(
-                file.display(),
-                format!("{}: lies outside the folder", tree.file),
-            ));
-        }
-        if !names.insert(tree.name()) {
-            return Err(Failure::of(
-                file.display(),
-                format!("{}: is listed twice", tree.file),
-            ));
-        }
-    }
-    Ok(())
 }
 
 impl Flags {
@@ -278,161 +246,4 @@ impl Flags {
             leaves: self.leaves,
         })
     }
-}
-
-/// A checked job.
-struct Export<'a> {
-    settings: &'a ExportSettings,
-    trees: &'a [TreeRecord],
-    folder: &'a Path,
-}
-
-impl Export<'_> {
-    fn run(&self, session: &Session<'_>) -> Result<(), Failure> {
-        let whole = session.options.shard.is_whole();
-        self.check(whole, session)?;
-        let indexed: Vec<(usize, &TreeRecord)> = self.trees.iter().enumerate().collect();
-        let models = self.settings.preset.has_models();
-        let made = items::made(session, "export", &indexed, |_, (index, tree)| {
-            let is_sample = whole && models && *index < SAMPLES;
-            export_tree(self.settings, self.folder, tree, is_sample, session)
-        })?;
-        let (records, samples) = parted(made.ready);
-        let files = if whole {
-            self.write_shared(&records, &samples, session)?
-        } else {
-            BTreeMap::new()
-        };
-        session.print_json(|| {
-            let saved: f64 = records.iter().map(|tree| tree.cutout.overdraw_saved).sum();
-            json!({
-                "preset": self.settings.preset.name(),
-                "trees": records.len(),
-                "refused": made.refused.into_iter().map(|(_, reason)| reason).collect::<Vec<_>>(),
-                "files": files,
-                "overdraw_saved": saved / records.len().max(1) as f64,
-                "seconds": session.seconds(),
-            })
-        })
-    }
-
-    /// Fails before the work when something is in the way.
-    fn check(&self, whole: bool, session: &Session<'_>) -> Result<(), Failure> {
-        let out = &self.settings.out;
-        let ours = (0u64..)
-            .zip(self.trees)
-            .filter(|(i, _)| session.options.shard.contains(*i));
-        for (_, tree) in ours {
-            let files = tree_files(self.settings, tree.name());
-            session
-                .output
-                .check(files.values().map(|file| out.join(file)))?;
-        }
-        if whole {
-            session
-                .output
-                .check(self.shared_files().iter().map(|file| out.join(file)))?;
-        }
-        Ok(())
-    }
-
-    /// Files that belong to no single tree and whose names are known before the work.
-    fn shared_files(&self) -> Vec<&'static str> {
-        let mut files = vec!["library.json", "README.txt"];
-        match self.settings.preset {
-            Preset::FlightGear => files.extend(["trees.png", "trees-normal.png"]),
-            Preset::Web => files.extend(["scatter.glb", "index.html", "gallery.js"]),
-            _ => files.push("scatter.glb"),
-        }
-        files
-    }
-
-    /// Atlas, sample scene, gallery, README and, last, `library.json`.
-    fn write_shared(
-        &self,
-        records: &[PresetTree],
-        samples: &[Sample],
-        session: &Session<'_>,
-    ) -> Result<BTreeMap<String, Vec<String>>, Failure> {
-        let settings = self.settings;
-        let mut files = BTreeMap::new();
-        if settings.atlas {
-            files.extend(write_atlas(settings, records, session)?);
-        }
-        if settings.preset == Preset::FlightGear {
-            files.extend(write_flightgear(settings, records, session)?);
-        }
-        let stage = session.progress.stage("scene", 1);
-        if !samples.is_empty() {
-            let scene = self.scene(samples, session);
-            session
-                .output
-                .write(&settings.out.join("scatter.glb"), &scene)?;
-            files.insert("scene".to_owned(), vec!["scatter.glb".to_owned()]);
-        }
-        session.cancel.check()?;
-        if settings.preset == Preset::Web {
-            let title = settings.rights.copyright();
-            let page = gallery_page(title.as_deref().unwrap_or("Trees"));
-            session
-                .output
-                .write(&settings.out.join("index.html"), page.as_bytes())?;
-            let list = gallery_list(records);
-            session
-                .output
-                .write(&settings.out.join("gallery.js"), list.as_bytes())?;
-            let names = ["index.html", "gallery.js"].map(str::to_owned);
-            files.insert("gallery".to_owned(), names.to_vec());
-        }
-        let readme = settings.preset.readme();
-        session
-            .output
-            .write(&settings.out.join("README.txt"), readme.as_bytes())?;
-        let library = PresetLibrary::new(
-            settings.preset.name(),
-            settings.rights.clone(),
-            records.to_vec(),
-            files.clone(),
-        );
-        let json = library.to_json();
-        session
-            .output
-            .write(&settings.out.join("library.json"), json.as_bytes())?;
-        stage.advance();
-        Ok(files)
-    }
-
-    fn scene(&self, samples: &[Sample], session: &Session<'_>) -> Vec<u8> {
-        let settings = self.settings;
-        let lods = settings.preset.lods(settings.planes);
-        let models: Vec<TreeModel<'_>> = samples
-            .iter()
-            .map(|sample| sample.model(settings, &lods))
-            .collect();
-        let widest = samples
-            .iter()
-            .map(|sample| sample.sprite.size_m()[0])
-            .fold(0.0, f64::max);
-        let scatter = ScatterSettings {
-            side: SCATTER_SIDE,
-            spacing_m: 1.1 * widest,
-            instanced: settings.preset.knows_instancing(),
-        };
-        let seed = Seed(session.options.seed);
-        scattered(
-            &models,
-            scatter,
-            seed,
-            settings.rights.copyright().as_deref(),
-        )
-    }
-}
-
-fn parted(ready: Vec<(usize, ExportedTree)>) -> (Vec<PresetTree>, Vec<Sample>) {
-    let (mut records, mut samples) = (Vec::new(), Vec::new());
-    for (_, tree) in ready {
-        records.push(tree.record);
-        samples.extend(tree.sample);
-    }
-    (records, samples)
 }

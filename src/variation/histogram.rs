@@ -66,9 +66,14 @@ impl Histogram {
         let all = self.pixel_count().max(1) as f64;
         let of = |counts: &[u64; 256]| {
             let bins = counts.chunks(width);
-            bins.map(|bin| bin.iter().sum::<u64>() as f64 / all).collect()
+            bins.map(|bin| bin.iter().sum::<u64>() as f64 / all)
+                .collect()
         };
-        [of(&self.counts[0]), of(&self.counts[1]), of(&self.counts[2])]
+        [
+            of(&self.counts[0]),
+            of(&self.counts[1]),
+            of(&self.counts[2]),
+        ]
     }
 
     /// Number of pixels counted.

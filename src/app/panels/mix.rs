@@ -132,13 +132,18 @@ impl Mix {
             let stroke = Stroke::new(1.0 + 2.0 * share, tokens.accent.gamma_multiply(share));
             ui.painter().line_segment([at, *corner], stroke);
             let place = Rect::from_center_size(*corner, vec2(CORNER, CORNER));
-            let fill = if *weight > 0.0 { tokens.chosen } else { tokens.panel };
+            let fill = if *weight > 0.0 {
+                tokens.chosen
+            } else {
+                tokens.panel
+            };
             ui.painter().rect_filled(place, 6.0, fill);
             if let Some((entry, small)) = prepared.entry(*photo) {
                 let key = Hasher::new("exemplar").with(entry.digest.bytes()).finish();
                 let texture = self.textures.of(ui.ctx(), key, small);
                 let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-                ui.painter().image(texture.id(), place.shrink(2.0), uv, Color32::WHITE);
+                ui.painter()
+                    .image(texture.id(), place.shrink(2.0), uv, Color32::WHITE);
             }
         }
         ui.painter().circle_filled(at, 7.0, tokens.panel);
@@ -176,7 +181,9 @@ impl Mix {
         let mut weights: Vec<ExemplarWeight> = on_map
             .map(|(photo, weight)| ExemplarWeight { photo, weight })
             .collect();
-        let others = mix.iter().filter(|part| !self.corners.contains(&part.photo));
+        let others = mix
+            .iter()
+            .filter(|part| !self.corners.contains(&part.photo));
         weights.extend(others.map(|part| ExemplarWeight {
             photo: part.photo,
             weight: 0.0,
@@ -212,7 +219,10 @@ impl Mix {
             let stroke = Stroke::new(1.2, tokens.accent);
             ui.painter().add(Shape::closed_line(points, stroke));
         }
-        let told = format!("A quick look at {0} × {0} pixels; batches are made in full.", Drafts::SIZE);
+        let told = format!(
+            "A quick look at {0} × {0} pixels; batches are made in full.",
+            Drafts::SIZE
+        );
         response.on_hover_text(told);
     }
 }
@@ -229,7 +239,9 @@ fn shares(
     let sum: f64 = mix.iter().map(|part| part.weight).sum();
     let on_map = |part: &&ExemplarWeight| corners.contains(&part.photo);
     for part in mix.iter().filter(on_map) {
-        let name = photos.get(&part.photo).map_or("?", |photo| photo.name.as_str());
+        let name = photos
+            .get(&part.photo)
+            .map_or("?", |photo| photo.name.as_str());
         let mut share = part.weight / sum.max(f64::MIN_POSITIVE);
         ui.horizontal(|ui| {
             let slider = egui::Slider::new(&mut share, 0.0..=1.0)

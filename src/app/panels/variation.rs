@@ -1,19 +1,20 @@
 //! How new trees are made: how many exemplars each mixes, what they resemble, where colours come
 //! from; and what leads out of the studio, batches and exports.
 
-use super::super::action::Action;
+use super::super::action::{Action, Gesture};
+use super::super::batch_jobs::BATCH;
 use super::super::commands::Command;
 use super::super::photos::Thumbnail;
 use super::super::studio::Studio;
 use super::super::theme::{GAP, TIGHT, tokens};
 use super::textures::Textures;
 use super::{changed_settings, empty, gesture_of};
+use crate::base::Hasher;
 use crate::document::{Coloring, PhotoId, VariationSettings};
+use crate::jobs::Phase;
 use crate::variation::Histogram;
 use egui::{Color32, Rect, Sense, Slider, Ui, pos2, vec2};
 use egui_plot::{Line, LineStyle, Plot, PlotPoints};
-
-use super::super::action::Gesture;
 
 /// Columns of a plotted histogram.
 const BINS: usize = 64;
@@ -49,9 +50,58 @@ impl Variation {
                         }
                     }
                 });
+                self.batches(ui, studio, actions);
             });
         });
         self.textures.sweep(ui);
+    }
+
+    /// Batches that are being written, with the tree made last.
+    fn batches(&mut self, ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
+        for job in studio.jobs.snapshot() {
+            if job.topic.kind != BATCH {
+                continue;
+            }
+            ui.add_space(TIGHT);
+            ui.horizontal(|ui| {
+                if let Some(tree) = &studio.vary.batch_tree {
+                    let (rect, response) = ui.allocate_exact_size(vec2(WELL, WELL), Sense::hover());
+                    response.widget_info(|| {
+                        egui::WidgetInfo::labeled(egui::Role::Image, true, "The tree made last")
+                    });
+                    ui.painter().rect_filled(rect, 5.0, tokens(ui).sunken);
+                    let key = Hasher::new("batch").with(bytemuck::cast_slice(tree.pixels()));
+                    let texture = self.textures.of(ui.ctx(), key.finish(), tree);
+                    let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+                    ui.painter()
+                        .image(texture.id(), rect.shrink(2.0), uv, Color32::WHITE);
+                }
+                ui.vertical(|ui| {
+                    let is_paused = job.phase == Phase::Paused;
+                    let share = job.fraction().unwrap_or(0.0) as f32;
+                    let stage = if is_paused {
+                        "paused"
+                    } else {
+                        job.stage.unwrap_or("waits")
+                    };
+                    let text = format!("{stage}: {} of {}", job.done, job.total);
+                    ui.add(
+                        egui::ProgressBar::new(share)
+                            .text(text)
+                            .desired_height(18.0),
+                    );
+                    ui.horizontal(|ui| {
+                        let pause = if is_paused { "Go On" } else { "Pause" };
+                        if ui.small_button(pause).clicked() {
+                            actions.push(Action::PauseJob(job.id, !is_paused));
+                        }
+                        if ui.small_button("Cancel").clicked() {
+                            actions.push(Action::CancelJob(job.id));
+                        }
+                    });
+                });
+            });
+        }
     }
 
     fn target(
@@ -88,17 +138,31 @@ impl Variation {
         heading(ui, "Colours");
         ui.horizontal(|ui| {
             for (coloring, label, help) in [
-                (Coloring::One, "Of One", "All colours from one exemplar: the crispest leaves."),
-                (Coloring::Blend, "Blended", "Colours of all exemplars, averaged by their shares."),
+                (
+                    Coloring::One,
+                    "Of One",
+                    "All colours from one exemplar: the crispest leaves.",
+                ),
+                (
+                    Coloring::Blend,
+                    "Blended",
+                    "Colours of all exemplars, averaged by their shares.",
+                ),
             ] {
                 let is_on = settings.coloring == coloring;
-                if ui.selectable_label(is_on, label).on_hover_text(help).clicked() && !is_on {
+                if ui
+                    .selectable_label(is_on, label)
+                    .on_hover_text(help)
+                    .clicked()
+                    && !is_on
+                {
                     let whole = Some(Gesture::Whole);
                     changed_settings(actions, studio, "Colours", whole, |s| s.coloring = coloring);
                 }
             }
         });
-        let help = "Takes the colours of this picture, for another season say. Drop an exemplar here.";
+        let help =
+            "Takes the colours of this picture, for another season say. Drop an exemplar here.";
         if let Some(like) = self.well(ui, studio, ("Like", help), settings.like) {
             let whole = Some(Gesture::Whole);
             changed_settings(actions, studio, "Colours Like", whole, |s| s.like = like);
@@ -135,7 +199,8 @@ impl Variation {
             let edge = if hovers { tokens.accent } else { tokens.line };
             ui.painter().rect_filled(rect, 5.0, tokens.sunken);
             let stroke = egui::Stroke::new(1.0, edge);
-            ui.painter().rect_stroke(rect, 5.0, stroke, egui::StrokeKind::Inside);
+            ui.painter()
+                .rect_stroke(rect, 5.0, stroke, egui::StrokeKind::Inside);
             if let Some(photo) = holds.and_then(|id| photos.get(&id)) {
                 self.picture(ui, studio, photo, rect.shrink(TIGHT));
             }
@@ -166,13 +231,7 @@ impl Variation {
         wanted
     }
 
-    fn picture(
-        &mut self,
-        ui: &Ui,
-        studio: &Studio,
-        photo: &crate::document::Photo,
-        place: Rect,
-    ) {
+    fn picture(&mut self, ui: &Ui, studio: &Studio, photo: &crate::document::Photo, place: Rect) {
         if let Some(Thumbnail::Ready(image)) = studio.photos.thumbnail(photo.digest) {
             let texture = self.textures.of(ui.ctx(), photo.digest, image);
             let size = texture.size_vec2();
@@ -207,31 +266,56 @@ fn slider_row(ui: &mut Ui, name: &str, slider: Slider<'_>) -> egui::Response {
 }
 
 /// How many exemplars a tree mixes, and how unevenly.
-fn chances(
-    ui: &mut Ui,
-    studio: &Studio,
-    settings: &VariationSettings,
-    actions: &mut Vec<Action>,
-) {
+fn chances(ui: &mut Ui, studio: &Studio, settings: &VariationSettings, actions: &mut Vec<Action>) {
     heading(ui, "Chance");
     let mut mix = settings.mix;
-    let slider = slider_row(ui, "Exemplars each", Slider::new(&mut mix, 1..=6).clamping(egui::SliderClamping::Edits));
+    let slider = slider_row(
+        ui,
+        "Exemplars each",
+        Slider::new(&mut mix, 1..=6).clamping(egui::SliderClamping::Edits),
+    );
     let slider = slider.on_hover_text("How many exemplars a tree of the gallery mixes.");
-    changed_settings(actions, studio, "Exemplars Each", gesture_of(&slider), |s| {
-        s.mix = mix.clamp(1, 16);
-    });
+    changed_settings(
+        actions,
+        studio,
+        "Exemplars Each",
+        gesture_of(&slider),
+        |s| {
+            s.mix = mix.clamp(1, 16);
+        },
+    );
     let is_pair = settings.mix == 2 && settings.target.is_none();
     ui.add_enabled_ui(is_pair, |ui| {
         let (mut low, mut high) = settings.weights;
         let help = "Of two exemplars the first has a share drawn from this range.";
-        let slider = slider_row(ui, "Share from", Slider::new(&mut low, 0.0..=1.0).fixed_decimals(2));
-        changed_settings(actions, studio, "Shares", gesture_of(&slider.on_hover_text(help)), |s| {
-            s.weights = (low, high.max(low));
-        });
-        let slider = slider_row(ui, "to", Slider::new(&mut high, 0.0..=1.0).fixed_decimals(2));
-        changed_settings(actions, studio, "Shares", gesture_of(&slider.on_hover_text(help)), |s| {
-            s.weights = (low.min(high), high);
-        });
+        let slider = slider_row(
+            ui,
+            "Share from",
+            Slider::new(&mut low, 0.0..=1.0).fixed_decimals(2),
+        );
+        changed_settings(
+            actions,
+            studio,
+            "Shares",
+            gesture_of(&slider.on_hover_text(help)),
+            |s| {
+                s.weights = (low, high.max(low));
+            },
+        );
+        let slider = slider_row(
+            ui,
+            "to",
+            Slider::new(&mut high, 0.0..=1.0).fixed_decimals(2),
+        );
+        changed_settings(
+            actions,
+            studio,
+            "Shares",
+            gesture_of(&slider.on_hover_text(help)),
+            |s| {
+                s.weights = (low.min(high), high);
+            },
+        );
     });
 }
 
@@ -254,12 +338,15 @@ fn histograms(ui: &mut Ui, before: &Histogram, after: &Histogram) {
             (before, LineStyle::dashed_dense(), "before"),
             (after, LineStyle::Solid, "after"),
         ] {
-            for ((shares, color), channel) in
-                histogram.shares(BINS).into_iter().zip(colors).zip(["Red", "Green", "Blue"])
+            for ((shares, color), channel) in histogram
+                .shares(BINS)
+                .into_iter()
+                .zip(colors)
+                .zip(["Red", "Green", "Blue"])
             {
-                let points = (0..).zip(shares).map(|(bin, share)| {
-                    [(f64::from(bin) + 0.5) / BINS as f64, share]
-                });
+                let points = (0..)
+                    .zip(shares)
+                    .map(|(bin, share)| [(f64::from(bin) + 0.5) / BINS as f64, share]);
                 let line = Line::new(format!("{channel} {when}"), PlotPoints::from_iter(points));
                 plot.line(line.color(color).style(style).width(1.4));
             }

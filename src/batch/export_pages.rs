@@ -3,7 +3,7 @@
 use super::export::ExportSettings;
 use super::failure::Failure;
 use super::input::PictureFile;
-use super::session::Session;
+use super::run::Run;
 use crate::export::{
     AtlasSettings, AtlasSprite, PageContent, PresetTree, SpriteLayout, atlas_json_array,
     atlas_json_hash, atlas_layout, atlas_page, mips,
@@ -24,7 +24,7 @@ fn small(
     tree: &PresetTree,
     map: &str,
     size: [u32; 2],
-    session: &Session<'_>,
+    session: &Run<'_>,
 ) -> Result<Image<Straight>, Failure> {
     session.cancel.check()?;
     let Some(file) = tree.files.get(map) else {
@@ -53,10 +53,10 @@ fn small_size(tree: &PresetTree, longer: u32) -> [u32; 2] {
 }
 
 /// Writes the atlas of each map, one page after the other, with both lists a page.
-pub(super) fn write_atlas(
+pub(crate) fn write_atlas(
     settings: &ExportSettings,
     trees: &[PresetTree],
-    session: &Session<'_>,
+    session: &Run<'_>,
 ) -> Result<Files, Failure> {
     let sizes: Vec<[u32; 2]> = trees
         .iter()
@@ -122,7 +122,7 @@ fn write_page(
     map: &str,
     image: &Image<Straight>,
     frames: &[(usize, Rect)],
-    session: &Session<'_>,
+    session: &Run<'_>,
     files: &mut Files,
 ) -> Result<(), Failure> {
     let mut write = |ending: &str, bytes: &[u8]| -> Result<(), Failure> {
@@ -163,7 +163,7 @@ fn write_lists(
     trees: &[PresetTree],
     layout: &SpriteLayout,
     page: usize,
-    session: &Session<'_>,
+    session: &Run<'_>,
     files: &mut Files,
 ) -> Result<(), Failure> {
     let sprites: Vec<AtlasSprite> = layout
@@ -220,10 +220,10 @@ const CELL_HEIGHT: u32 = 256;
 const SEASONS: u32 = 4;
 
 /// Writes FlightGear's atlas: columns of varieties, rows of seasons, and the normal map.
-pub(super) fn write_flightgear(
+pub(crate) fn write_flightgear(
     settings: &ExportSettings,
     trees: &[PresetTree],
-    session: &Session<'_>,
+    session: &Run<'_>,
 ) -> Result<Files, Failure> {
     let stage = session.progress.stage("atlas", 2);
     let ratio = |tree: &PresetTree| f64::from(tree.frame.width) / f64::from(tree.frame.height);

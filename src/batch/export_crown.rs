@@ -5,7 +5,7 @@ use super::failure::Failure;
 use super::input::read_crown_and_record;
 use super::items;
 use super::output::recipe;
-use super::session::Session;
+use super::run::Run;
 use crate::base::{Digest, Seed};
 use crate::branches::sprite::LeafShape;
 use crate::export::{
@@ -16,7 +16,6 @@ use crate::export::{
 use crate::raster::{Compression, encode_png};
 use crate::scene::Crown;
 use clap::ValueEnum;
-use serde_json::json;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -25,7 +24,7 @@ const LAST: &str = "color_px.png";
 
 /// Directions of an impostor's frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
-pub(super) enum ImpostorName {
+pub(crate) enum ImpostorName {
     /// From all around
     Full,
     /// From the horizon and above
@@ -34,7 +33,7 @@ pub(super) enum ImpostorName {
 
 /// Leaves of a crown's cards.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
-pub(super) enum LeafName {
+pub(crate) enum LeafName {
     /// Egg-shaped: birch, apple
     #[default]
     Ovate,
@@ -68,11 +67,11 @@ impl LeafName {
 
 /// What is made of crowns alone.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct CrownExportSettings {
-    pub(super) impostors: Vec<ImpostorName>,
-    pub(super) frames: u32,
-    pub(super) frame_px: u32,
-    pub(super) leaves: LeafName,
+pub(crate) struct CrownExportSettings {
+    pub(crate) impostors: Vec<ImpostorName>,
+    pub(crate) frames: u32,
+    pub(crate) frame_px: u32,
+    pub(crate) leaves: LeafName,
 }
 
 /// The crowns that `path` names: itself, or the folders in it that have a record; none when it holds
@@ -80,7 +79,7 @@ pub(super) struct CrownExportSettings {
 ///
 /// # Errors
 /// [`Failure`] when the folder cannot be listed or a name is not text.
-pub(super) fn crown_folders(path: &Path) -> Result<Vec<(String, PathBuf)>, Failure> {
+pub(crate) fn crown_folders(path: &Path) -> Result<Vec<(String, PathBuf)>, Failure> {
     let is_crown = |folder: &Path| folder.join(crate::export::CROWN_RECORD).is_file();
     let named = |folder: PathBuf| {
         let whole = folder.canonicalize().unwrap_or_else(|_| folder.clone());
@@ -108,23 +107,31 @@ pub(super) fn crown_folders(path: &Path) -> Result<Vec<(String, PathBuf)>, Failu
     Ok(folders)
 }
 
+/// What was exported.
+pub(crate) struct ExportedCrowns {
+    pub(crate) records: Vec<PresetCrown>,
+    /// Why crowns were left out.
+    pub(crate) refused: Vec<String>,
+}
+
 /// A checked job on crowns.
-pub(super) struct CrownExport<'a> {
-    pub(super) settings: &'a ExportSettings,
-    pub(super) crowns: &'a [(String, PathBuf)],
+pub(crate) struct CrownExport<'a> {
+    pub(crate) settings: &'a ExportSettings,
+    pub(crate) crowns: &'a [(String, PathBuf)],
 }
 
 impl CrownExport<'_> {
-    pub(super) fn run(&self, session: &Session<'_>) -> Result<(), Failure> {
+    /// Makes the crowns of this shard and, when that is all of them, what they share.
+    pub(crate) fn run(&self, session: &Run<'_>) -> Result<ExportedCrowns, Failure> {
         let out = &self.settings.out;
         if self.settings.preset == Preset::FlightGear {
             let reason = "flightgear draws trees from pictures; export a library of them";
             return Err(Failure::of("--preset", reason));
         }
-        let whole = session.options.shard.is_whole();
+        let whole = session.shard.is_whole();
         let ours = (0u64..)
             .zip(self.crowns)
-            .filter(|(i, _)| session.options.shard.contains(*i));
+            .filter(|(i, _)| session.shard.contains(*i));
         for (_, (name, _)) in ours {
             let files = self.files(name);
             session
@@ -143,13 +150,9 @@ impl CrownExport<'_> {
         if whole {
             self.write_shared(&records, session)?;
         }
-        session.print_json(|| {
-            json!({
-                "preset": self.settings.preset.name(),
-                "crowns": records,
-                "refused": made.refused.into_iter().map(|(_, reason)| reason).collect::<Vec<_>>(),
-                "seconds": session.seconds(),
-            })
+        Ok(ExportedCrowns {
+            records,
+            refused: made.refused.into_iter().map(|(_, reason)| reason).collect(),
         })
     }
 
@@ -179,7 +182,7 @@ impl CrownExport<'_> {
         &self,
         name: &str,
         folder: &Path,
-        session: &Session<'_>,
+        session: &Run<'_>,
     ) -> Result<PresetCrown, Failure> {
         let settings = self.settings;
         let out = &settings.out;
@@ -189,7 +192,7 @@ impl CrownExport<'_> {
         let last = out.join(format!("cubemaps/{name}/{LAST}"));
         let is_ready = session.output.is_ready(&last, made_from)
             && files.values().all(|file| out.join(file).is_file());
-        let seed = Seed(session.options.seed);
+        let seed = Seed(session.seed);
         let leaves = leaf_model(&crown, name, settings.crowns.leaves.shape(), seed);
         session.cancel.check()?;
         let surface = surface_model(&crown, &format!("{name}_surface"));
@@ -216,7 +219,7 @@ impl CrownExport<'_> {
         ))
     }
 
-    fn write(&self, file: &str, bytes: &[u8], session: &Session<'_>) -> Result<(), Failure> {
+    fn write(&self, file: &str, bytes: &[u8], session: &Run<'_>) -> Result<(), Failure> {
         session.cancel.check()?;
         session.output.write(&self.settings.out.join(file), bytes)
     }
@@ -226,7 +229,7 @@ impl CrownExport<'_> {
         made: &Impostor,
         form: &str,
         files: &BTreeMap<String, String>,
-        session: &Session<'_>,
+        session: &Run<'_>,
     ) -> Result<(), Failure> {
         let key = format!("impostor_{form}");
         for (key, picture) in [
@@ -249,7 +252,7 @@ impl CrownExport<'_> {
         record: &CrownRecord,
         files: &BTreeMap<String, String>,
         made_from: Digest,
-        session: &Session<'_>,
+        session: &Run<'_>,
     ) -> Result<(), Failure> {
         let colors = encode_ktx2_colors(&crown.color, session.cancel)?;
         self.write(&files["colors"], &colors, session)?;
@@ -288,7 +291,7 @@ impl CrownExport<'_> {
     }
 
     /// Sample shaders, README and, last, `library.json`.
-    fn write_shared(&self, records: &[PresetCrown], session: &Session<'_>) -> Result<(), Failure> {
+    fn write_shared(&self, records: &[PresetCrown], session: &Run<'_>) -> Result<(), Failure> {
         let stage = session.progress.stage("scene", 1);
         let mut files = BTreeMap::new();
         for (file, text) in shared_files() {
@@ -311,7 +314,7 @@ impl CrownExport<'_> {
     }
 
     /// The digest of all that a crown's files are made from.
-    fn recipe(&self, name: &str, crown: Digest, session: &Session<'_>) -> Digest {
+    fn recipe(&self, name: &str, crown: Digest, session: &Run<'_>) -> Digest {
         let settings = self.settings;
         let told = format!(
             "{name} {:?} {:?} {:?} {:?}",
@@ -319,7 +322,7 @@ impl CrownExport<'_> {
         );
         recipe("export crown")
             .with(crown.bytes())
-            .with(&session.options.seed.to_le_bytes())
+            .with(&session.seed.to_le_bytes())
             .with(told.as_bytes())
             .finish()
     }

@@ -8,7 +8,7 @@ use crate::scene::Crown;
 use std::path::{Path, PathBuf};
 
 /// A picture file that was read but not decoded yet.
-pub(super) struct PictureFile {
+pub(crate) struct PictureFile {
     path: PathBuf,
     bytes: Vec<u8>,
 }
@@ -18,7 +18,7 @@ impl PictureFile {
     ///
     /// # Errors
     /// As [`read_limited`].
-    pub(super) fn read(path: &Path) -> Result<Self, Failure> {
+    pub(crate) fn read(path: &Path) -> Result<Self, Failure> {
         Ok(Self {
             path: path.to_owned(),
             bytes: read_limited(path, ReadLimits::default().file_bytes)?,
@@ -26,12 +26,12 @@ impl PictureFile {
     }
 
     /// The file.
-    pub(super) fn path(&self) -> &Path {
+    pub(crate) fn path(&self) -> &Path {
         &self.path
     }
 
     /// The digest of the content; the name has no part in it.
-    pub(super) fn digest(&self) -> Digest {
+    pub(crate) fn digest(&self) -> Digest {
         Digest::of(&self.bytes)
     }
 
@@ -39,7 +39,7 @@ impl PictureFile {
     ///
     /// # Errors
     /// As [`read_image_from_memory`].
-    pub(super) fn decoded(&self) -> Result<Image<Straight>, Failure> {
+    pub(crate) fn decoded(&self) -> Result<Image<Straight>, Failure> {
         Ok(read_image_from_memory(
             &self.bytes,
             &self.path,
@@ -50,7 +50,7 @@ impl PictureFile {
 
 /// The mask that `picture` shows: where it is opaque, if any of it is clear, else where its red is
 /// 128 or more.
-pub(super) fn mask_from(picture: &Image<Straight>) -> Mask {
+pub(crate) fn mask_from(picture: &Image<Straight>) -> Mask {
     let has_alpha = picture.pixels().iter().any(|pixel| pixel.alpha() < 255);
     picture.map(|pixel| {
         let value = if has_alpha { pixel.alpha() } else { pixel.0[0] };
@@ -65,7 +65,7 @@ const LARGEST_CROWN_FILE: u64 = 1 << 30;
 ///
 /// # Errors
 /// [`Failure::BadInput`] naming the file that is missing or broken.
-pub(super) fn read_crown(folder: &Path) -> Result<(Crown, Digest), Failure> {
+pub(crate) fn read_crown(folder: &Path) -> Result<(Crown, Digest), Failure> {
     read_crown_and_record(folder).map(|(crown, _, digest)| (crown, digest))
 }
 
@@ -73,7 +73,7 @@ pub(super) fn read_crown(folder: &Path) -> Result<(Crown, Digest), Failure> {
 ///
 /// # Errors
 /// As [`read_crown`].
-pub(super) fn read_crown_and_record(
+pub(crate) fn read_crown_and_record(
     folder: &Path,
 ) -> Result<(Crown, CrownRecord, Digest), Failure> {
     let mut digest = Hasher::new("boscage crown folder");

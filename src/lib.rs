@@ -38,6 +38,8 @@ pub mod export;
 
 pub mod sheet;
 
+pub mod batch;
+
 pub mod app;
 
 pub mod cli;

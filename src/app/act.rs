@@ -171,7 +171,7 @@ impl Studio {
         }
     }
 
-    fn go_to(&mut self, workspace: Workspace) {
+    pub(super) fn go_to(&mut self, workspace: Workspace) {
         self.workspace = workspace;
         self.refresh_variations();
     }

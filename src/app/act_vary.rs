@@ -1,11 +1,15 @@
 //! Doing what the variations' panels ask.
 
 use super::action::Gesture;
-use super::studio::{Severity, Studio};
+use super::batch_jobs::BatchSettings;
+use super::commands::Command;
+use super::studio::{Effect, Severity, Studio, Workspace};
 use super::vary::{Cell, Tile};
 use crate::base::Digest;
 use crate::document::{Edit, ExemplarWeight, Favourite, PhotoId, VariationSettings};
 use crate::pipeline::favourite_of;
+use crate::raster::{Image, Straight};
+use std::path::PathBuf;
 
 /// Most favourites' numbers that are tried for a name.
 const MOST_NAMES: usize = 100_000;
@@ -31,6 +35,12 @@ pub enum VaryAction {
     Enlarge(Option<Digest>),
     /// Goes on with a gallery that was cancelled.
     GoOn,
+    /// Asks for a folder to write to.
+    AskForFolder,
+    /// This folder was chosen.
+    ChoseFolder(PathBuf),
+    /// Writes trees to a folder.
+    Make(Box<BatchSettings>),
 }
 
 impl Studio {
@@ -56,6 +66,9 @@ impl Studio {
                     self.open_large(cell);
                 }
             }
+            VaryAction::AskForFolder => self.effects.push(Effect::AskForFolder),
+            VaryAction::ChoseFolder(folder) => self.vary.folder = Some(folder),
+            VaryAction::Make(settings) => self.make_batch(*settings),
             VaryAction::GoOn => {
                 self.vary.asked_trees = None;
                 self.refresh_variations();
@@ -63,11 +76,36 @@ impl Studio {
         }
     }
 
+    /// The seeds of the gallery's trees, in order.
+    pub fn gallery_seeds(&self) -> Vec<u64> {
+        self.vary.gallery.iter().map(|cell| cell.seed).collect()
+    }
+
+    /// How many trees of the gallery and favourites are still to be made; `None` before exemplars
+    /// are prepared.
+    pub fn missing_trees(&self) -> Option<usize> {
+        self.vary.prepared.as_ref()?;
+        Some(self.vary.missing_count())
+    }
+
+    /// The picture of the gallery's tree `index` as it is shown, once it was made.
+    pub fn gallery_picture(&self, index: usize) -> Option<&Image<Straight>> {
+        let tile = self.vary.tile(self.vary.gallery.get(index)?)?;
+        Some(&tile.as_ref().ok()?.image)
+    }
+
     /// Draws all trees again that are not locked.
     pub(super) fn roll(&mut self) {
         self.vary_settings("Roll Again", Gesture::Whole, |settings| {
             settings.seed = settings.seed.wrapping_add(1);
         });
+    }
+
+    /// Opens the dialog of a command that writes trees.
+    pub(super) fn ask_where_to_make(&mut self, command: Command) {
+        // Trees are drawn from exemplars that only this workspace prepares.
+        self.go_to(Workspace::Variations);
+        self.effects.push(Effect::AskWhatToMake(command));
     }
 
     fn vary_settings(

@@ -3,6 +3,7 @@
 //! `rfd` asks the desktop's portal. Without one it answers at once, as if the user had cancelled; no
 //! hand is that quick, so our own dialog, a field for the path, opens then.
 
+use super::act_vary::VaryAction;
 use super::action::Action;
 use super::mask_action::MaskAction;
 use super::theme::GAP;
@@ -24,6 +25,8 @@ pub(super) enum Purpose {
     ImportMask,
     /// The file to write the labels to.
     ExportMask,
+    /// A folder to write trees to.
+    Folder,
 }
 
 /// The dialogs of the window; one at a time.
@@ -99,6 +102,7 @@ impl FileDialogs {
 fn of_desktop(purpose: Purpose) -> Option<Vec<PathBuf>> {
     let dialog = rfd::FileDialog::new();
     match purpose {
+        Purpose::Folder => dialog.pick_folder().map(|path| vec![path]),
         Purpose::Open => dialog
             .add_filter(
                 "Projects and pictures",
@@ -129,6 +133,10 @@ fn of_desktop(purpose: Purpose) -> Option<Vec<PathBuf>> {
 
 fn chosen(purpose: Purpose, mut paths: Vec<PathBuf>) -> Option<Action> {
     match purpose {
+        Purpose::Folder => {
+            let folder = paths.pop()?;
+            Some(Action::Vary(VaryAction::ChoseFolder(folder)))
+        }
         Purpose::Open => (!paths.is_empty()).then_some(Action::Open(paths)),
         Purpose::ImportMask => Some(Action::Mask(MaskAction::Import(paths.pop()?))),
         Purpose::ExportMask => {
@@ -165,12 +173,13 @@ impl OwnDialog {
             Purpose::Save => ("Save Project As", "Save"),
             Purpose::ImportMask => ("Import Mask", "Import"),
             Purpose::ExportMask => ("Export Mask", "Export"),
+            Purpose::Folder => ("Choose a Folder", "Choose"),
         };
         let modal = egui::Modal::new(egui::Id::unique("own file dialog")).show(ctx, |ui| {
             ui.set_width(460.0);
             ui.heading(title);
             ui.add_space(GAP);
-            ui.label("This desktop offers no file dialog. Type or paste the path of the file.");
+            ui.label("This desktop offers no file dialog. Type or paste the path.");
             let label = ui.label("Path");
             let field = ui.add(
                 egui::TextEdit::singleline(&mut self.path)

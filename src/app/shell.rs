@@ -4,6 +4,7 @@ use super::action::{Action, Answer};
 use super::commands::{Command, Menu, TABLE};
 use super::dock::{Layouts, Pane};
 use super::files::{FileDialogs, Purpose};
+use super::make_dialog::MakeDialog;
 use super::panels::Panels;
 use super::preferences::Preferences;
 use super::studio::{Effect, Next, Question, Severity, Studio, Workspace};
@@ -72,6 +73,7 @@ pub struct Shell {
     layouts: Layouts,
     panels: Panels,
     dialogs: FileDialogs,
+    make_dialog: MakeDialog,
     palette: palette::Palette,
     shows_shortcuts: bool,
     shows_about: bool,
@@ -120,6 +122,7 @@ impl Shell {
             layouts: layouts.filter(Layouts::is_complete).unwrap_or_default(),
             panels: Panels::new(creation),
             dialogs: FileDialogs::default(),
+            make_dialog: MakeDialog::default(),
             palette: palette::Palette::default(),
             shows_shortcuts: false,
             shows_about: false,
@@ -149,6 +152,8 @@ impl Shell {
             Effect::ZoomToFit | Effect::ZoomToPixels | Effect::ZoomBy(_) | Effect::FrameTree => {
                 self.panels.perform(&effect);
             }
+            Effect::AskForFolder => self.dialogs.ask(Purpose::Folder, ctx),
+            Effect::AskWhatToMake(command) => self.make_dialog.open(command),
             Effect::RestoreLayout => self.layouts = Layouts::default(),
             Effect::TogglePalette => self.palette.toggle(),
             Effect::ToggleShortcutSheet => self.shows_shortcuts = !self.shows_shortcuts,
@@ -186,6 +191,7 @@ impl Shell {
 
     fn draw_over(&mut self, ctx: &Context, actions: &mut Vec<Action>) {
         self.palette.show(ctx, &self.studio, actions);
+        self.make_dialog.show(ctx, &self.studio, actions);
         self.dialogs.show(ctx, actions);
         if self.shows_shortcuts {
             shortcut_sheet::show(ctx, &mut self.shows_shortcuts);

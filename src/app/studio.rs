@@ -107,6 +107,10 @@ pub(super) enum Effect {
     AskWhatToOpen,
     /// Shows the file dialog for saving.
     AskWhereToSave,
+    /// Shows the file dialog for folders.
+    AskForFolder,
+    /// Opens the dialog of a command that writes trees.
+    AskWhatToMake(super::Command),
     /// Shows all of the picture.
     ZoomToFit,
     /// Shows each pixel on one of the screen.

@@ -11,6 +11,7 @@ use crate::pipeline::{GalleryTree, Pool, gallery_slots, parts_of_mix};
 use crate::raster::{Image, Straight};
 use crate::variation::{Draft, Drafts, Entry, Library, Palette, Part};
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 
 /// Side of a tree's picture in the gallery, pixels.
@@ -99,6 +100,10 @@ pub(super) struct Vary {
     pub(super) draft: Option<(Digest, Arc<Draft>)>,
     pub(super) asked_draft: Option<Digest>,
     pub(super) large: Option<Large>,
+    /// The tree that a batch made last.
+    pub(super) batch_tree: Option<Arc<Image<Straight>>>,
+    /// The folder that was chosen for a batch.
+    pub(super) folder: Option<PathBuf>,
 }
 
 impl Vary {

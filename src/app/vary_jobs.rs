@@ -2,7 +2,7 @@
 
 use super::outcome::Outcome;
 use super::photos::THUMBNAIL_PX;
-use super::studio::{Studio, Workspace};
+use super::studio::{Severity, Studio, Workspace};
 use super::vary::{Cell, Large, Prepared, TILE_PX, Tile};
 use crate::base::{Cancel, Digest, Hasher};
 use crate::document::PhotoId;
@@ -34,6 +34,10 @@ pub(super) enum VaryOutcome {
     Draft(Digest, Option<Box<Draft>>),
     /// A tree at full size.
     Large(Digest, Arc<Image<Straight>>),
+    /// The tree that a batch made last.
+    BatchTree(Arc<Image<Straight>>),
+    /// A batch was written; what is told.
+    Wrote(String),
 }
 
 fn topic(kind: &'static str) -> Topic {
@@ -72,6 +76,8 @@ impl Studio {
             }
             VaryOutcome::Tile(cell, tile) => self.vary.put(&cell, tile),
             VaryOutcome::GalleryIsFull => {}
+            VaryOutcome::BatchTree(image) => self.vary.batch_tree = Some(image),
+            VaryOutcome::Wrote(told) => self.notify(Severity::Info, told),
             VaryOutcome::Draft(key, draft) => {
                 self.vary.draft = draft.map(|draft| (key, Arc::from(draft)));
             }
@@ -270,7 +276,7 @@ fn prepared(
 }
 
 /// The whole of a square picture at another size.
-fn reduced(image: &Image<Premultiplied>, size: u32) -> Image<Premultiplied> {
+pub(super) fn reduced(image: &Image<Premultiplied>, size: u32) -> Image<Premultiplied> {
     let whole = Rect {
         x: 0,
         y: 0,

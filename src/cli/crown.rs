@@ -1,9 +1,9 @@
 //! `boscage crown`: a photograph and the mask of its crown → a crown to be drawn.
 
 use super::failure::Failure;
-use super::input::{PhotoWithMask, mask_from};
+use super::input::{PhotoWithMask, grey, mask_from};
 use super::output::recipe;
-use super::regions::{Region, grey, region_masks, regions_from};
+use super::regions::{Region, region_masks, regions_from};
 use super::session::Session;
 use super::{Job, Stages};
 use crate::base::{Digest, Seed, read_limited};

@@ -2,9 +2,10 @@
 
 use super::demo_crown::demo_crown;
 use super::failure::Failure;
+use super::library::pictures;
 use super::session::Session;
-use super::vary::Vary;
 use super::{Job, Stages};
+use crate::batch::vary::{Trees, Vary};
 use crate::branches::samples::samples;
 use crate::segment::Classical;
 use crate::variation::{ChoiceSettings, ExemplarSettings};
@@ -55,10 +56,10 @@ impl Job for Flags {
         drop(stage);
         let vary = Vary {
             folder,
-            files,
+            pictures: pictures(&files),
             has_target: false,
-            count: self.count,
-            like: None,
+            trees: Trees::Drawn(self.count),
+            likes: Vec::new(),
             maps: std::collections::BTreeSet::new(),
             sheet: session
                 .options

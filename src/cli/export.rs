@@ -1,21 +1,15 @@
 //! `boscage export`: a library of trees → a folder that a consumer takes as it is.
 
-use super::export_crown::{
+use super::failure::Failure;
+use super::records::LibraryRecord;
+use super::session::Session;
+use super::{Job, Stages};
+use crate::batch::export::{Export, ExportSettings, check_trees};
+use crate::batch::export_crown::{
     CrownExport, CrownExportSettings, ImpostorName, LeafName, crown_folders,
 };
-use super::export_pages::{write_atlas, write_flightgear};
-use super::export_shared::{Files, SAMPLES, shared_files, write_library, write_scene};
-use super::export_tree::{
-    BlockName, ExportMap, ExportedTree, Sample, TextureForm, export_tree, tree_files,
-};
-use super::failure::Failure;
-use super::records::{LibraryRecord, TreeRecord};
-use super::session::Session;
-use super::{Job, Stages, items};
-use crate::export::{
-    BlockFormat, LicenseRecord, LodStyle, Preset, PresetTree, SpriteSettings, TreeModel,
-    WindChannels,
-};
+use crate::batch::export_tree::{BlockName, ExportMap, TextureForm};
+use crate::export::{LicenseRecord, Preset, SpriteSettings, WindChannels};
 use clap::{Args, ValueEnum};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -128,34 +122,6 @@ impl PresetName {
     }
 }
 
-/// A checked job's settings.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct ExportSettings {
-    pub(super) out: PathBuf,
-    pub(super) preset: Preset,
-    pub(super) sprite: SpriteSettings,
-    pub(super) planes: u32,
-    pub(super) maps: Vec<ExportMap>,
-    pub(super) textures: Vec<TextureForm>,
-    pub(super) blocks: BlockFormat,
-    pub(super) atlas: bool,
-    pub(super) atlas_tree: u32,
-    pub(super) evergreen: bool,
-    pub(super) wind: WindChannels,
-    pub(super) rights: LicenseRecord,
-    pub(super) crowns: CrownExportSettings,
-}
-
-impl ExportSettings {
-    /// How levels of detail and wind are told to the consumer.
-    pub(super) fn lod_style(&self) -> LodStyle {
-        LodStyle {
-            grouped: self.preset.groups_lods(),
-            wind: self.wind,
-        }
-    }
-}
-
 impl Job for Flags {
     fn stages(&self) -> Stages {
         &[("export", 85.0), ("atlas", 10.0), ("scene", 5.0)]
@@ -166,7 +132,15 @@ impl Job for Flags {
         if !crowns.is_empty() {
             let settings = &self.checked(session)?;
             let crowns = &crowns;
-            return CrownExport { settings, crowns }.run(session);
+            let made = CrownExport { settings, crowns }.run(session)?;
+            return session.print_json(|| {
+                json!({
+                    "preset": settings.preset.name(),
+                    "crowns": made.records,
+                    "refused": made.refused,
+                    "seconds": session.seconds(),
+                })
+            });
         }
         let file = if self.library.is_dir() {
             self.library.join("library.json")
@@ -177,36 +151,25 @@ impl Job for Flags {
         check_trees(&library.trees, &file)?;
         let settings = self.checked(session)?;
         let folder = file.parent().unwrap_or(Path::new("."));
-        Export {
+        let export = Export {
             settings: &settings,
             trees: &library.trees,
             folder,
-        }
-        .run(session)
+        };
+        let made = export.run(session)?;
+        session.print_json(|| {
+            let trees = &made.records;
+            let saved: f64 = trees.iter().map(|tree| tree.cutout.overdraw_saved).sum();
+            json!({
+                "preset": settings.preset.name(),
+                "trees": trees.len(),
+                "refused": made.refused,
+                "files": made.files,
+                "overdraw_saved": saved / trees.len().max(1) as f64,
+                "seconds": session.seconds(),
+            })
+        })
     }
-}
-
-/// Fails for trees that are no plain files in the library's folder.
-fn check_trees(trees: &[TreeRecord], file: &Path) -> Result<(), Failure> {
-    if trees.is_empty() {
-        return Err(Failure::of(file.display(), "lists no trees"));
-    }
-    let mut names = std::collections::BTreeSet::new();
-    for tree in trees {
-        if tree.name().contains(['/', '\\']) || tree.name().starts_with('.') {
-            return Err(Failure::of(
-                file.display(),
-                format!("{}: lies outside the folder", tree.file),
-            ));
-        }
-        if !names.insert(tree.name()) {
-            return Err(Failure::of(
-                file.display(),
-                format!("{}: is listed twice", tree.file),
-            ));
-        }
-    }
-    Ok(())
 }
 
 impl Flags {
@@ -287,106 +250,4 @@ impl Flags {
             exr: self.exr,
         })
     }
-}
-
-/// A checked job.
-struct Export<'a> {
-    settings: &'a ExportSettings,
-    trees: &'a [TreeRecord],
-    folder: &'a Path,
-}
-
-impl Export<'_> {
-    fn run(&self, session: &Session<'_>) -> Result<(), Failure> {
-        let whole = session.options.shard.is_whole();
-        self.check(whole, session)?;
-        let indexed: Vec<(usize, &TreeRecord)> = self.trees.iter().enumerate().collect();
-        let models = self.settings.preset.has_models();
-        let made = items::made(session, "export", &indexed, |_, (index, tree)| {
-            let is_sample = whole && models && *index < SAMPLES;
-            export_tree(self.settings, self.folder, tree, is_sample, session)
-        })?;
-        let (records, samples) = parted(made.ready);
-        let files = if whole {
-            self.write_shared(&records, &samples, session)?
-        } else {
-            Files::new()
-        };
-        session.print_json(|| {
-            let saved: f64 = records.iter().map(|tree| tree.cutout.overdraw_saved).sum();
-            json!({
-                "preset": self.settings.preset.name(),
-                "trees": records.len(),
-                "refused": made.refused.into_iter().map(|(_, reason)| reason).collect::<Vec<_>>(),
-                "files": files,
-                "overdraw_saved": saved / records.len().max(1) as f64,
-                "seconds": session.seconds(),
-            })
-        })
-    }
-
-    /// Fails before the work when something is in the way.
-    fn check(&self, whole: bool, session: &Session<'_>) -> Result<(), Failure> {
-        let out = &self.settings.out;
-        let ours = (0u64..)
-            .zip(self.trees)
-            .filter(|(i, _)| session.options.shard.contains(*i));
-        for (_, tree) in ours {
-            let files = tree_files(self.settings, tree.name());
-            session
-                .output
-                .check(files.values().map(|file| out.join(file)))?;
-        }
-        if whole {
-            session
-                .output
-                .check(self.shared_files().iter().map(|file| out.join(file)))?;
-        }
-        Ok(())
-    }
-
-    /// Files that belong to no single tree and whose names are known before the work.
-    fn shared_files(&self) -> Vec<&'static str> {
-        let mut files = shared_files(self.settings.preset);
-        if self.settings.preset == Preset::FlightGear {
-            files.extend(["trees.png", "trees-normal.png"]);
-        }
-        files
-    }
-
-    /// Atlas, sample scene, gallery, README and, last, `library.json`.
-    fn write_shared(
-        &self,
-        records: &[PresetTree],
-        samples: &[Sample],
-        session: &Session<'_>,
-    ) -> Result<Files, Failure> {
-        let settings = self.settings;
-        let mut files = Files::new();
-        if settings.atlas {
-            files.extend(write_atlas(settings, records, session)?);
-        }
-        if settings.preset == Preset::FlightGear {
-            files.extend(write_flightgear(settings, records, session)?);
-        }
-        let stage = session.progress.stage("scene", 1);
-        let lods = settings.preset.lods(settings.planes);
-        let models: Vec<TreeModel<'_>> = samples.iter().map(|s| s.model(&lods)).collect();
-        let widths = samples.iter().map(|sample| sample.sprite.size_m()[0]);
-        let widest = widths.fold(0.0, f64::max);
-        write_scene(settings, &models, widest, &mut files, session)?;
-        let readme = settings.preset.readme();
-        let files = write_library(settings, (records, &[]), readme, files, session)?;
-        stage.advance();
-        Ok(files)
-    }
-}
-
-fn parted(ready: Vec<(usize, ExportedTree)>) -> (Vec<PresetTree>, Vec<Sample>) {
-    let (mut records, mut samples) = (Vec::new(), Vec::new());
-    for (_, tree) in ready {
-        records.push(tree.record);
-        samples.extend(tree.sample);
-    }
-    (records, samples)
 }

@@ -3,7 +3,7 @@
 use super::failure::Failure;
 use super::session::Session;
 use crate::segment::Segmenter;
-use crate::variation::{ExemplarSettings, Library, LibraryError};
+use crate::variation::{ExemplarSettings, Library, LibraryPicture};
 use clap::Args;
 use std::path::{Path, PathBuf};
 
@@ -79,7 +79,7 @@ fn entry_is_hidden(path: &Path) -> bool {
 /// Opens the pictures in `files` as a library, warning of those that cannot be used.
 ///
 /// # Errors
-/// [`Failure::BadInput`] when none can be used; [`Failure::Cancelled`].
+/// As [`crate::batch::library::opened`].
 pub(super) fn opened<'a>(
     files: &[PathBuf],
     settings: ExemplarSettings,
@@ -87,37 +87,15 @@ pub(super) fn opened<'a>(
     cache: Option<&Path>,
     session: &Session<'_>,
 ) -> Result<Library<'a>, Failure> {
-    let (library, refused) = Library::open(
-        files,
-        settings,
-        segmenter,
-        cache,
-        session.progress,
-        session.cancel,
-    )?;
-    if library.entries().is_empty() {
-        return Err(match refused.into_iter().next() {
-            Some(only) if files.len() == 1 => only.reason.into(),
-            _ => Failure::BadInput(format!("none of the {} pictures can be used", files.len())),
-        });
-    }
-    for refused in &refused {
-        session
-            .progress
-            .warn(&format!("{}; it is left out", refused.reason));
-    }
-    Ok(library)
+    let pictures = pictures(files);
+    crate::batch::library::opened(&pictures, settings, segmenter, cache, session)
 }
 
-impl From<LibraryError> for Failure {
-    fn from(error: LibraryError) -> Self {
-        match error {
-            LibraryError::File(error) => error.into(),
-            LibraryError::Image(error) => error.into(),
-            LibraryError::Cancelled(cancelled) => cancelled.into(),
-            LibraryError::Exemplar { .. } | LibraryError::Changed { .. } => {
-                Self::BadInput(error.to_string())
-            }
-        }
-    }
+/// The pictures that lie in `files`.
+pub(super) fn pictures(files: &[PathBuf]) -> Vec<LibraryPicture> {
+    let of_file = |path: &PathBuf| LibraryPicture {
+        path: path.clone(),
+        bytes: None,
+    };
+    files.iter().map(of_file).collect()
 }

@@ -19,30 +19,19 @@ mod demo;
 mod demo_crown;
 mod exemplars;
 mod export;
-mod export_crown;
-mod export_pages;
-mod export_shared;
-mod export_tree;
-mod failure;
 mod inflate;
-mod input;
 mod inspect;
-mod items;
 mod library;
 mod morph;
 mod options;
-mod output;
 mod polygons;
 mod recolor;
-mod records;
 mod regions;
 mod render;
 mod reporter;
 mod samples;
 mod segment;
 mod session;
-mod sheets;
-mod stamp;
 mod synthesize;
 mod table;
 mod usage;
@@ -53,6 +42,8 @@ mod warp;
 
 use crate::app;
 use crate::base::{Cancel, Progress, with_threads};
+use crate::batch::run::Run;
+use crate::batch::{failure, input, items, output, records};
 use clap::{Parser, Subcommand};
 use clock::StageClock;
 use failure::Failure;
@@ -172,9 +163,15 @@ fn run_job(options: &CommonOptions, job: &dyn Job) -> Result<(), Failure> {
     let clock = StageClock::new(reporter.as_ref());
     let session = Session {
         options,
-        progress: Progress::to(&clock),
-        cancel: &cancel,
-        output: Output::new(options.policy()),
+        run: Run {
+            seed: options.seed,
+            shard: options.shard,
+            progress: Progress::to(&clock),
+            cancel: &cancel,
+            output: Output::new(options.policy()),
+            gate: None,
+            shown: None,
+        },
         clock: &clock,
     };
     let outcome = with_threads(options.threads.map(usize::from), || job.run(&session))

@@ -4,6 +4,7 @@
 //! the grey value of the region in the mask.
 
 use super::failure::Failure;
+use super::input::grey;
 use super::session::Session;
 use crate::base::read_limited;
 use crate::crown::{Tangent, labelled_regions};
@@ -86,19 +87,6 @@ pub(super) fn region_masks(
         session.progress.warn(&warning);
     }
     Ok(found)
-}
-
-/// The grey of each pixel: the mean of its colours, 0 where it is clear.
-pub(super) fn grey(image: &Image<Straight>) -> Image<u8> {
-    image.map(|pixel| {
-        let [r, g, b, alpha] = pixel.0;
-        let sum = u32::from(r) + u32::from(g) + u32::from(b);
-        if alpha < 128 {
-            0
-        } else {
-            ((sum + 1) / 3) as u8
-        }
-    })
 }
 
 /// What the JSON file at `path` holds.

@@ -1,12 +1,12 @@
 //! `boscage render`: a crown's folder → pictures of it.
 
-use super::export_crown::LeafName;
 use super::failure::Failure;
 use super::input::read_crown;
 use super::output::recipe;
 use super::session::Session;
 use super::{Job, Stages};
 use crate::base::{Cancel, Digest, Seed};
+use crate::batch::export_crown::LeafName;
 use crate::raster::{Compression, Image, Straight, encode_png};
 use crate::render::{
     Backend, LeafClip, LeafSet, LeafSettings, Mode, Occlusion, PreparedCrown, PreparedMesh,

@@ -3,21 +3,24 @@
 use super::clock::{Seconds, StageClock};
 use super::failure::Failure;
 use super::options::CommonOptions;
-use super::output::Output;
-use crate::base::{Cancel, Progress};
+use crate::batch::run::Run;
 use std::io::Write as _;
 
 /// The surroundings of one command. Its work runs inside the thread pool already.
 pub(super) struct Session<'a> {
     /// The options of all commands, checked.
     pub(super) options: &'a CommonOptions,
-    /// Where algorithms tell of their stages, and where warnings go.
-    pub(super) progress: Progress<'a>,
-    /// Raised by SIGINT and SIGTERM.
-    pub(super) cancel: &'a Cancel,
-    /// Where files are written.
-    pub(super) output: Output,
+    /// What the work itself is given; its flag is raised by SIGINT and SIGTERM.
+    pub(super) run: Run<'a>,
     pub(super) clock: &'a StageClock<'a>,
+}
+
+impl<'a> std::ops::Deref for Session<'a> {
+    type Target = Run<'a>;
+
+    fn deref(&self) -> &Run<'a> {
+        &self.run
+    }
 }
 
 impl Session<'_> {

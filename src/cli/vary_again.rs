@@ -1,10 +1,11 @@
 //! `boscage vary --recipe library.json#tree_0003`: one tree again, from its record.
 
 use super::failure::Failure;
-use super::library::opened;
+use super::library::{opened, pictures};
 use super::records::{LibraryRecord, TreeRecord};
 use super::session::Session;
-use super::vary::{Flags, Like, Outputs, make_tree};
+use super::vary::Flags;
+use crate::batch::vary::{Like, Outputs, make_tree};
 use crate::segment::Classical;
 use crate::variation::{Chosen, Library, Part, Shape, TreeMaker};
 use serde_json::json;
@@ -64,7 +65,7 @@ pub(super) fn run(
         .clone()
         .or(tree.like.as_ref().map(|like| PathBuf::from(&like.file)));
     let like = like_path
-        .map(|path| Like::of(&path, record.settings, segmenter, session))
+        .map(|path| Like::of(&pictures(&[path])[0], record.settings, segmenter, session))
         .transpose()?;
     let maker = TreeMaker::new(&library, like.map(|like| like.palette));
     let stage = session.progress.stage("vary", 1);

@@ -46,34 +46,6 @@ impl ColorsFlag {
     }
 }
 
-/// A further picture of a tree.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
-pub(super) enum MapName {
-    /// Crown and trunk, 8-bit grey: 0 background, 128 trunk, 255 crown
-    Labels,
-    /// Tangent-space normals, Y+
-    Normal,
-    /// Height towards the viewer, 8-bit grey
-    Depth,
-    /// Openness to the sky, 8-bit grey
-    Ao,
-    /// Light that comes through from behind, 8-bit grey
-    Translucency,
-}
-
-impl MapName {
-    /// What stands between the tree's name and `.png`.
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Self::Labels => "labels",
-            Self::Normal => "normal",
-            Self::Depth => "depth",
-            Self::Ao => "ao",
-            Self::Translucency => "translucency",
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,19 +1,20 @@
 //! How new trees are made: how many exemplars each mixes, what they resemble, where colours come
 //! from; and what leads out of the studio, batches and exports.
 
-use super::super::action::Action;
+use super::super::action::{Action, Gesture};
+use super::super::batch_jobs::BATCH;
 use super::super::commands::Command;
 use super::super::photos::Thumbnail;
 use super::super::studio::Studio;
 use super::super::theme::{GAP, TIGHT, tokens};
 use super::textures::Textures;
 use super::{changed_settings, empty, gesture_of};
+use crate::base::Hasher;
 use crate::document::{Coloring, PhotoId, VariationSettings};
+use crate::jobs::Phase;
 use crate::variation::Histogram;
 use egui::{Color32, Rect, Sense, Slider, Ui, pos2, vec2};
 use egui_plot::{Line, LineStyle, Plot, PlotPoints};
-
-use super::super::action::Gesture;
 
 /// Columns of a plotted histogram.
 const BINS: usize = 64;
@@ -49,9 +50,58 @@ impl Variation {
                         }
                     }
                 });
+                self.batches(ui, studio, actions);
             });
         });
         self.textures.sweep(ui);
+    }
+
+    /// Batches that are being written, with the tree made last.
+    fn batches(&mut self, ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
+        for job in studio.jobs.snapshot() {
+            if job.topic.kind != BATCH {
+                continue;
+            }
+            ui.add_space(TIGHT);
+            ui.horizontal(|ui| {
+                if let Some(tree) = &studio.vary.batch_tree {
+                    let (rect, response) = ui.allocate_exact_size(vec2(WELL, WELL), Sense::hover());
+                    response.widget_info(|| {
+                        egui::WidgetInfo::labeled(egui::Role::Image, true, "The tree made last")
+                    });
+                    ui.painter().rect_filled(rect, 5.0, tokens(ui).sunken);
+                    let key = Hasher::new("batch").with(bytemuck::cast_slice(tree.pixels()));
+                    let texture = self.textures.of(ui.ctx(), key.finish(), tree);
+                    let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+                    ui.painter()
+                        .image(texture.id(), rect.shrink(2.0), uv, Color32::WHITE);
+                }
+                ui.vertical(|ui| {
+                    let is_paused = job.phase == Phase::Paused;
+                    let share = job.fraction().unwrap_or(0.0) as f32;
+                    let stage = if is_paused {
+                        "paused"
+                    } else {
+                        job.stage.unwrap_or("waits")
+                    };
+                    let text = format!("{stage}: {} of {}", job.done, job.total);
+                    ui.add(
+                        egui::ProgressBar::new(share)
+                            .text(text)
+                            .desired_height(18.0),
+                    );
+                    ui.horizontal(|ui| {
+                        let pause = if is_paused { "Go On" } else { "Pause" };
+                        if ui.small_button(pause).clicked() {
+                            actions.push(Action::PauseJob(job.id, !is_paused));
+                        }
+                        if ui.small_button("Cancel").clicked() {
+                            actions.push(Action::CancelJob(job.id));
+                        }
+                    });
+                });
+            });
+        }
     }
 
     fn target(

@@ -2,8 +2,7 @@
 
 use super::failure::Failure;
 use super::output::recipe;
-use super::regions::grey;
-use super::session::Session;
+use super::run::Run;
 use crate::base::{Digest, FileError, Hasher, read_limited};
 use crate::export::{CrownFolderError, CrownRecord, crown_from_files};
 use crate::raster::{Image, Mask, ReadLimits, Straight, read_image_from_memory};
@@ -12,7 +11,7 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 /// A picture file that was read but not decoded yet.
-pub(super) struct PictureFile {
+pub(crate) struct PictureFile {
     path: PathBuf,
     bytes: Vec<u8>,
 }
@@ -22,7 +21,7 @@ impl PictureFile {
     ///
     /// # Errors
     /// As [`read_limited`].
-    pub(super) fn read(path: &Path) -> Result<Self, Failure> {
+    pub(crate) fn read(path: &Path) -> Result<Self, Failure> {
         Ok(Self {
             path: path.to_owned(),
             bytes: read_limited(path, ReadLimits::default().file_bytes)?,
@@ -30,12 +29,12 @@ impl PictureFile {
     }
 
     /// The file.
-    pub(super) fn path(&self) -> &Path {
+    pub(crate) fn path(&self) -> &Path {
         &self.path
     }
 
     /// The digest of the content; the name has no part in it.
-    pub(super) fn digest(&self) -> Digest {
+    pub(crate) fn digest(&self) -> Digest {
         Digest::of(&self.bytes)
     }
 
@@ -43,7 +42,7 @@ impl PictureFile {
     ///
     /// # Errors
     /// As [`read_image_from_memory`].
-    pub(super) fn decoded(&self) -> Result<Image<Straight>, Failure> {
+    pub(crate) fn decoded(&self) -> Result<Image<Straight>, Failure> {
         Ok(read_image_from_memory(
             &self.bytes,
             &self.path,
@@ -53,9 +52,9 @@ impl PictureFile {
 }
 
 /// The two files that a crown or a texture is made from.
-pub(super) struct PhotoWithMask {
-    pub(super) photo: PictureFile,
-    pub(super) mask: PictureFile,
+pub(crate) struct PhotoWithMask {
+    pub(crate) photo: PictureFile,
+    pub(crate) mask: PictureFile,
 }
 
 impl PhotoWithMask {
@@ -63,7 +62,7 @@ impl PhotoWithMask {
     ///
     /// # Errors
     /// As [`read_limited`].
-    pub(super) fn read(photo: &Path, mask: &Path, session: &Session<'_>) -> Result<Self, Failure> {
+    pub(crate) fn read(photo: &Path, mask: &Path, session: &Run<'_>) -> Result<Self, Failure> {
         let stage = session.progress.stage("read", 2);
         let photo = PictureFile::read(photo)?;
         stage.advance();
@@ -76,11 +75,11 @@ impl PhotoWithMask {
     ///
     /// # Errors
     /// [`Failure::Environment`] when the settings cannot be written as JSON.
-    pub(super) fn recipe(
+    pub(crate) fn recipe(
         &self,
         command: &str,
         settings: &impl Serialize,
-        session: &Session<'_>,
+        session: &Run<'_>,
     ) -> Result<Digest, Failure> {
         let settings = serde_json::to_vec(settings)
             .map_err(|error| Failure::Environment(error.to_string()))?;
@@ -88,7 +87,7 @@ impl PhotoWithMask {
             .with(self.photo.digest().bytes())
             .with(self.mask.digest().bytes())
             .with(&settings)
-            .with(&session.options.seed.to_le_bytes())
+            .with(&session.seed.to_le_bytes())
             .finish())
     }
 
@@ -96,14 +95,27 @@ impl PhotoWithMask {
     ///
     /// # Errors
     /// As [`read_image_from_memory`].
-    pub(super) fn decoded(&self) -> Result<(Image<Straight>, Mask), Failure> {
+    pub(crate) fn decoded(&self) -> Result<(Image<Straight>, Mask), Failure> {
         Ok((self.photo.decoded()?, mask_from(&self.mask.decoded()?)))
     }
 }
 
+/// The grey of each pixel: the mean of its colours, 0 where it is clear.
+pub(crate) fn grey(image: &Image<Straight>) -> Image<u8> {
+    image.map(|pixel| {
+        let [r, g, b, alpha] = pixel.0;
+        let sum = u32::from(r) + u32::from(g) + u32::from(b);
+        if alpha < 128 {
+            0
+        } else {
+            ((sum + 1) / 3) as u8
+        }
+    })
+}
+
 /// How far each pixel of a mask file belongs to the mask, 0 … 255: its alpha if the picture has clear
 /// pixels, else its grey. All commands read masks so.
-pub(super) fn coverage(picture: &Image<Straight>) -> Image<u8> {
+pub(crate) fn coverage(picture: &Image<Straight>) -> Image<u8> {
     if picture.pixels().iter().any(|pixel| pixel.alpha() < 255) {
         picture.map(|pixel| pixel.alpha())
     } else {
@@ -112,7 +124,7 @@ pub(super) fn coverage(picture: &Image<Straight>) -> Image<u8> {
 }
 
 /// The mask that `picture` shows: where its [`coverage`] is 128 or more.
-pub(super) fn mask_from(picture: &Image<Straight>) -> Mask {
+pub(crate) fn mask_from(picture: &Image<Straight>) -> Mask {
     coverage(picture).map(|&value| value >= 128)
 }
 
@@ -123,7 +135,7 @@ const LARGEST_CROWN_FILE: u64 = 1 << 30;
 ///
 /// # Errors
 /// [`Failure::BadInput`] naming the file that is missing or broken.
-pub(super) fn read_crown(folder: &Path) -> Result<(Crown, Digest), Failure> {
+pub(crate) fn read_crown(folder: &Path) -> Result<(Crown, Digest), Failure> {
     read_crown_and_record(folder).map(|(crown, _, digest)| (crown, digest))
 }
 
@@ -131,7 +143,7 @@ pub(super) fn read_crown(folder: &Path) -> Result<(Crown, Digest), Failure> {
 ///
 /// # Errors
 /// As [`read_crown`].
-pub(super) fn read_crown_and_record(
+pub(crate) fn read_crown_and_record(
     folder: &Path,
 ) -> Result<(Crown, CrownRecord, Digest), Failure> {
     let mut digest = Hasher::new("boscage crown folder");

@@ -1,8 +1,8 @@
-//! `boscage export`: files that belong to no single tree.
+//! Exports: files that belong to no single tree.
 
 use super::export::ExportSettings;
 use super::failure::Failure;
-use super::session::Session;
+use super::run::Run;
 use crate::base::Seed;
 use crate::export::{
     LodModel, Preset, PresetCrown, PresetLibrary, PresetTree, ScatterSettings, gallery_list,
@@ -11,7 +11,7 @@ use crate::export::{
 use std::collections::BTreeMap;
 
 /// Trees in the sample scene.
-pub(super) const SAMPLES: usize = 6;
+pub(crate) const SAMPLES: usize = 6;
 
 /// Trees along a side of its ground.
 const SCATTER_SIDE: u32 = 10;
@@ -20,10 +20,10 @@ const SCATTER_SIDE: u32 = 10;
 const SCENE: &str = "scatter.glb";
 
 /// Lists of files by what they are.
-pub(super) type Files = BTreeMap<String, Vec<String>>;
+pub(crate) type Files = BTreeMap<String, Vec<String>>;
 
 /// Names of the files that this module writes.
-pub(super) fn shared_files(preset: Preset) -> Vec<&'static str> {
+pub(crate) fn shared_files(preset: Preset) -> Vec<&'static str> {
     let mut files = vec!["library.json", "README.txt"];
     if preset.has_models() {
         files.push(SCENE);
@@ -35,12 +35,12 @@ pub(super) fn shared_files(preset: Preset) -> Vec<&'static str> {
 }
 
 /// Writes the sample scene of `models`, of which the widest is `widest_m` wide; none without models.
-pub(super) fn write_scene(
+pub(crate) fn write_scene(
     settings: &ExportSettings,
     models: &[impl LodModel],
     widest_m: f64,
     files: &mut Files,
-    session: &Session<'_>,
+    session: &Run<'_>,
 ) -> Result<(), Failure> {
     session.cancel.check()?;
     if models.is_empty() {
@@ -52,7 +52,7 @@ pub(super) fn write_scene(
         instanced: settings.preset.knows_instancing(),
         wind: settings.wind,
     };
-    let (seed, copyright) = (Seed(session.options.seed), settings.rights.copyright());
+    let (seed, copyright) = (Seed(session.seed), settings.rights.copyright());
     let scene = scattered(models, scatter, seed, copyright.as_deref())
         .map_err(|error| Failure::of(SCENE, error))?;
     session.output.write(&settings.out.join(SCENE), &scene)?;
@@ -61,12 +61,12 @@ pub(super) fn write_scene(
 }
 
 /// Writes the gallery of the web preset, the README and, last, `library.json`.
-pub(super) fn write_library(
+pub(crate) fn write_library(
     settings: &ExportSettings,
     (trees, crowns): (&[PresetTree], &[PresetCrown]),
     readme: &str,
     mut files: Files,
-    session: &Session<'_>,
+    session: &Run<'_>,
 ) -> Result<Files, Failure> {
     session.cancel.check()?;
     let write = |file: &str, text: &str| {

@@ -16,60 +16,60 @@ const LARGEST_BYTES: u64 = 1 << 30;
 
 /// A whole library.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct LibraryRecord {
-    pub(super) format: String,
-    pub(super) version: u32,
-    pub(super) generator: String,
+pub(crate) struct LibraryRecord {
+    pub(crate) format: String,
+    pub(crate) version: u32,
+    pub(crate) generator: String,
     /// Folder of the exemplars, as it was given.
-    pub(super) library: String,
+    pub(crate) library: String,
     /// How exemplars were prepared.
-    pub(super) settings: ExemplarSettings,
-    pub(super) trees: Vec<TreeRecord>,
+    pub(crate) settings: ExemplarSettings,
+    pub(crate) trees: Vec<TreeRecord>,
 }
 
 /// One tree.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct TreeRecord {
+pub(crate) struct TreeRecord {
     /// The picture, relative to `library.json`.
-    pub(super) file: String,
+    pub(crate) file: String,
     /// The seed of this tree's random decisions.
-    pub(super) seed: u64,
-    pub(super) exemplars: Vec<ExemplarRecord>,
+    pub(crate) seed: u64,
+    pub(crate) exemplars: Vec<ExemplarRecord>,
     /// Shares of the outline, in the order of the exemplars.
-    pub(super) contour_weights: Vec<f64>,
+    pub(crate) contour_weights: Vec<f64>,
     /// Shares of the colours, in the order of the exemplars.
-    pub(super) color_weights: Vec<f64>,
+    pub(crate) color_weights: Vec<f64>,
     /// The picture whose colours the tree was given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(super) like: Option<ExemplarRecord>,
-    pub(super) distortion: Distortion,
-    pub(super) pins: PinsRecord,
+    pub(crate) like: Option<ExemplarRecord>,
+    pub(crate) distortion: Distortion,
+    pub(crate) pins: PinsRecord,
     /// Width and height of the picture, in pixels.
-    pub(super) size: [u32; 2],
+    pub(crate) size: [u32; 2],
 }
 
 /// An exemplar that a tree was made of.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct ExemplarRecord {
+pub(crate) struct ExemplarRecord {
     /// Its file: a name in the library's folder, or the path of the target as given.
-    pub(super) file: String,
+    pub(crate) file: String,
     /// Digest of the file's content, BLAKE3.
-    pub(super) digest: String,
+    pub(crate) digest: String,
 }
 
 /// Foot and trunk tops in pixels of the picture.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct PinsRecord {
+pub(crate) struct PinsRecord {
     #[serde(rename = "B")]
-    pub(super) bottom: [f64; 2],
+    pub(crate) bottom: [f64; 2],
     #[serde(rename = "L")]
-    pub(super) left: [f64; 2],
+    pub(crate) left: [f64; 2],
     #[serde(rename = "R")]
-    pub(super) right: [f64; 2],
+    pub(crate) right: [f64; 2],
 }
 
 impl PinsRecord {
-    pub(super) fn of(contour: &PinnedContour) -> Self {
+    pub(crate) fn of(contour: &PinnedContour) -> Self {
         let pair = |point: Point| [point.x, point.y];
         Self {
             bottom: pair(contour.bottom()),
@@ -81,7 +81,7 @@ impl PinsRecord {
 
 impl TreeRecord {
     /// The record of the tree `name`.
-    pub(super) fn new(
+    pub(crate) fn new(
         name: String,
         seed: Seed,
         chosen: &Chosen,
@@ -123,18 +123,18 @@ impl TreeRecord {
     }
 
     /// The file's name without its ending.
-    pub(super) fn name(&self) -> &str {
+    pub(crate) fn name(&self) -> &str {
         self.file.strip_suffix(".png").unwrap_or(&self.file)
     }
 
     /// The record as JSON, on one line.
-    pub(super) fn to_json(&self) -> String {
+    pub(crate) fn to_json(&self) -> String {
         json_of(serde_json::to_string(self))
     }
 }
 
 impl LibraryRecord {
-    pub(super) fn new(folder: &Path, settings: ExemplarSettings, trees: Vec<TreeRecord>) -> Self {
+    pub(crate) fn new(folder: &Path, settings: ExemplarSettings, trees: Vec<TreeRecord>) -> Self {
         Self {
             format: "boscage-library".to_owned(),
             version: VERSION,
@@ -146,7 +146,7 @@ impl LibraryRecord {
     }
 
     /// The record as JSON.
-    pub(super) fn to_json(&self) -> String {
+    pub(crate) fn to_json(&self) -> String {
         json_of(serde_json::to_string_pretty(self)) + "\n"
     }
 
@@ -154,7 +154,7 @@ impl LibraryRecord {
     ///
     /// # Errors
     /// [`Failure::BadInput`] when the file is not such a record.
-    pub(super) fn read(path: &Path) -> Result<Self, Failure> {
+    pub(crate) fn read(path: &Path) -> Result<Self, Failure> {
         let bytes = read_limited(path, LARGEST_BYTES)?;
         let failed = |reason: String| Failure::of(path.display(), reason);
         let record: Self = serde_json::from_slice(&bytes)

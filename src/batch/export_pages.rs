@@ -4,7 +4,7 @@ use super::export::ExportSettings;
 use super::export_shared::Files;
 use super::failure::Failure;
 use super::input::PictureFile;
-use super::session::Session;
+use super::run::Run;
 use crate::export::{
     AtlasSettings, AtlasSprite, PageContent, PresetTree, SpriteLayout, atlas_json_array,
     atlas_json_hash, atlas_layout, atlas_page, mips,
@@ -22,7 +22,7 @@ fn small(
     tree: &PresetTree,
     map: &str,
     size: [u32; 2],
-    session: &Session<'_>,
+    session: &Run<'_>,
 ) -> Result<Image<Straight>, Failure> {
     session.cancel.check()?;
     let Some(file) = tree.files.get(map) else {
@@ -51,10 +51,10 @@ fn small_size(tree: &PresetTree, longer: u32) -> [u32; 2] {
 }
 
 /// Writes the atlas of each map, one page after the other, with both lists a page.
-pub(super) fn write_atlas(
+pub(crate) fn write_atlas(
     settings: &ExportSettings,
     trees: &[PresetTree],
-    session: &Session<'_>,
+    session: &Run<'_>,
 ) -> Result<Files, Failure> {
     let sizes: Vec<[u32; 2]> = trees
         .iter()
@@ -120,7 +120,7 @@ fn write_page(
     map: &str,
     image: &Image<Straight>,
     frames: &[(usize, Rect)],
-    session: &Session<'_>,
+    session: &Run<'_>,
     files: &mut Files,
 ) -> Result<(), Failure> {
     let mut write = |ending: &str, bytes: &[u8]| -> Result<(), Failure> {
@@ -161,7 +161,7 @@ fn write_lists(
     trees: &[PresetTree],
     layout: &SpriteLayout,
     page: usize,
-    session: &Session<'_>,
+    session: &Run<'_>,
     files: &mut Files,
 ) -> Result<(), Failure> {
     let sprites: Vec<AtlasSprite> = layout
@@ -218,10 +218,10 @@ const CELL_HEIGHT: u32 = 256;
 const SEASONS: u32 = 4;
 
 /// Writes FlightGear's atlas: columns of varieties, rows of seasons, and the normal map.
-pub(super) fn write_flightgear(
+pub(crate) fn write_flightgear(
     settings: &ExportSettings,
     trees: &[PresetTree],
-    session: &Session<'_>,
+    session: &Run<'_>,
 ) -> Result<Files, Failure> {
     let stage = session.progress.stage("atlas", 2);
     let ratio = |tree: &PresetTree| f64::from(tree.frame.width) / f64::from(tree.frame.height);

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 
 /// What to do when an output exists.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Policy {
+pub(crate) enum Policy {
     /// Fail before the work begins.
     Refuse,
     /// Replace it.
@@ -26,13 +26,13 @@ const LARGEST_KEPT_BYTES: u64 = 1 << 32;
 
 /// Writes files under a [`Policy`].
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Output {
+pub(crate) struct Output {
     policy: Policy,
 }
 
 impl Output {
     /// An output with this policy.
-    pub(super) fn new(policy: Policy) -> Self {
+    pub(crate) fn new(policy: Policy) -> Self {
         Self { policy }
     }
 
@@ -41,7 +41,7 @@ impl Output {
     ///
     /// # Errors
     /// [`Failure::BadInput`] naming the first such file.
-    pub(super) fn check<P: AsRef<Path>>(
+    pub(crate) fn check<P: AsRef<Path>>(
         &self,
         paths: impl IntoIterator<Item = P>,
     ) -> Result<(), Failure> {
@@ -67,7 +67,7 @@ impl Output {
     ///
     /// # Errors
     /// As [`Output::check`].
-    pub(super) fn check_same(&self, path: &Path, content: &[u8]) -> Result<(), Failure> {
+    pub(crate) fn check_same(&self, path: &Path, content: &[u8]) -> Result<(), Failure> {
         let is_same = read_limited(path, content.len() as u64).is_ok_and(|bytes| bytes == content);
         if is_same { Ok(()) } else { self.check([path]) }
     }
@@ -76,21 +76,21 @@ impl Output {
     ///
     /// # Errors
     /// As [`Output::write_item`].
-    pub(super) fn write_same(&self, path: &Path, content: &[u8]) -> Result<(), Failure> {
+    pub(crate) fn write_same(&self, path: &Path, content: &[u8]) -> Result<(), Failure> {
         self.check_same(path, content)?;
         Ok(write_atomic(path, content)?)
     }
 
     /// Whether `path` can stay: `--resume` was given, and the file is whole and was made by
     /// [`Output::write_item`] with this `recipe`.
-    pub(super) fn is_ready(&self, path: &Path, recipe: Digest) -> bool {
+    pub(crate) fn is_ready(&self, path: &Path, recipe: Digest) -> bool {
         self.policy == Policy::Resume
             && read_limited(path, LARGEST_KEPT_BYTES)
                 .is_ok_and(|bytes| stamp::is_intact(&bytes, recipe))
     }
 
     /// The note in `path`, if the file can stay (see [`Output::is_ready`]) and holds one.
-    pub(super) fn ready_note(&self, path: &Path, recipe: Digest) -> Option<String> {
+    pub(crate) fn ready_note(&self, path: &Path, recipe: Digest) -> Option<String> {
         if self.policy != Policy::Resume {
             return None;
         }
@@ -103,7 +103,7 @@ impl Output {
     ///
     /// # Errors
     /// As [`Output::write_item`].
-    pub(super) fn write_noted_item(
+    pub(crate) fn write_noted_item(
         &self,
         path: &Path,
         bytes: Vec<u8>,
@@ -133,7 +133,7 @@ impl Output {
     /// # Errors
     /// [`Failure::BadInput`] when the file exists and may not be replaced, or when the path cannot
     /// be written; [`Failure::Environment`] when the disk fails.
-    pub(super) fn write_item(
+    pub(crate) fn write_item(
         &self,
         path: &Path,
         bytes: Vec<u8>,
@@ -147,7 +147,7 @@ impl Output {
     ///
     /// # Errors
     /// As [`Output::write_item`], and [`Failure::Cancelled`].
-    pub(super) fn write_items(
+    pub(crate) fn write_items(
         &self,
         items: Vec<(PathBuf, Vec<u8>)>,
         recipe: Digest,
@@ -165,7 +165,7 @@ impl Output {
     ///
     /// # Errors
     /// As [`Output::write_item`].
-    pub(super) fn write(&self, path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    pub(crate) fn write(&self, path: &Path, bytes: &[u8]) -> Result<(), Failure> {
         self.check([path])?;
         Ok(write_atomic(path, bytes)?)
     }
@@ -173,7 +173,7 @@ impl Output {
 
 /// Begins the digest of all that goes into an item: add the digests of the inputs and all settings
 /// with [`Hasher::with`]. `command` keeps commands apart; the version is part of it.
-pub(super) fn recipe(command: &str) -> Hasher {
+pub(crate) fn recipe(command: &str) -> Hasher {
     Hasher::new("boscage output")
         .with(env!("CARGO_PKG_VERSION").as_bytes())
         .with(command.as_bytes())

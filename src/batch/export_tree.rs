@@ -5,7 +5,7 @@ use super::failure::Failure;
 use super::input::PictureFile;
 use super::output::recipe;
 use super::records::TreeRecord;
-use super::session::Session;
+use super::run::Run;
 use crate::base::Digest;
 use crate::export::{
     BlockFormat, CompressedLevels, Cutout, CutoutRecord, GalleryTree, Material, Preset, PresetTree,
@@ -25,7 +25,7 @@ const CUTOUT_VERTICES: usize = 72;
 
 /// A map beside the colours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum ExportMap {
+pub enum ExportMap {
     /// Tangent-space normals, Y+
     Normal,
     /// Height towards the viewer
@@ -37,7 +37,7 @@ pub(super) enum ExportMap {
 }
 
 impl ExportMap {
-    pub(super) fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Normal => "normal",
             Self::Depth => "depth",
@@ -89,7 +89,7 @@ impl Picture {
 
 /// A form of texture files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
-pub(super) enum TextureForm {
+pub enum TextureForm {
     /// PNG, without mip levels
     Png,
     /// DDS with all mip levels
@@ -99,23 +99,23 @@ pub(super) enum TextureForm {
 }
 
 /// A tree that was exported.
-pub(super) struct ExportedTree {
-    pub(super) record: PresetTree,
+pub(crate) struct ExportedTree {
+    pub(crate) record: PresetTree,
     /// Kept of trees that the sample scene shows.
-    pub(super) sample: Option<Sample>,
+    pub(crate) sample: Option<Sample>,
 }
 
 /// What a scene needs of a tree.
-pub(super) struct Sample {
-    pub(super) name: String,
-    pub(super) sprite: Sprite,
-    pub(super) cutout: Cutout,
-    pub(super) pngs: BTreeMap<&'static str, Vec<u8>>,
+pub(crate) struct Sample {
+    pub(crate) name: String,
+    pub(crate) sprite: Sprite,
+    pub(crate) cutout: Cutout,
+    pub(crate) pngs: BTreeMap<&'static str, Vec<u8>>,
 }
 
 impl Sample {
     /// The tree as a model with the levels of `settings`.
-    pub(super) fn model<'a>(&'a self, lods: &'a [crate::export::Lod]) -> TreeModel<'a> {
+    pub(crate) fn model<'a>(&'a self, lods: &'a [crate::export::Lod]) -> TreeModel<'a> {
         let png = |map: &str| self.pngs.get(map).map(Vec::as_slice);
         TreeModel {
             name: &self.name,
@@ -134,7 +134,7 @@ impl Sample {
 }
 
 /// Names and places of a tree's files, by what they are; paths relative to the folder.
-pub(super) fn tree_files(settings: &ExportSettings, name: &str) -> BTreeMap<String, String> {
+pub(crate) fn tree_files(settings: &ExportSettings, name: &str) -> BTreeMap<String, String> {
     let mut files = BTreeMap::new();
     let style = settings.preset.style();
     for map in settings.map_names() {
@@ -160,12 +160,12 @@ pub(super) fn tree_files(settings: &ExportSettings, name: &str) -> BTreeMap<Stri
 ///
 /// The colour PNG is written last and carries the recipe: when it is there and whole, so are the
 /// others, and `--resume` leaves the tree alone.
-pub(super) fn export_tree(
+pub(crate) fn export_tree(
     settings: &ExportSettings,
     folder: &Path,
     tree: &TreeRecord,
     is_sample: bool,
-    session: &Session<'_>,
+    session: &Run<'_>,
 ) -> Result<ExportedTree, Failure> {
     let path = folder.join(&tree.file);
     let file = PictureFile::read(&path)?;
@@ -246,7 +246,7 @@ fn pictures(
     settings: &ExportSettings,
     image: &Image<Straight>,
     sprite: &Sprite,
-    session: &Session<'_>,
+    session: &Run<'_>,
 ) -> Result<Vec<(&'static str, Picture)>, Failure> {
     let mut pictures = vec![("albedo", Picture::Color(sprite.image.clone()))];
     if !settings.maps.is_empty() {
@@ -265,7 +265,7 @@ fn write_textures(
     files: &BTreeMap<String, String>,
     images: &[(&'static str, Picture)],
     sample: &Sample,
-    session: &Session<'_>,
+    session: &Run<'_>,
 ) -> Result<(), Failure> {
     for (map, image) in images {
         let loose = settings.loose(map, image);
@@ -308,12 +308,12 @@ fn write_textures(
 
 /// The mip chain `levels` as files of several forms; blocks that several of them hold are encoded
 /// once.
-pub(super) fn encoded_textures<N>(
+pub(crate) fn encoded_textures<N>(
     settings: &ExportSettings,
     levels: &[Image<Straight>],
     srgb: bool,
     forms: Vec<(N, TextureForm)>,
-    session: &Session<'_>,
+    session: &Run<'_>,
 ) -> Result<Vec<(N, Vec<u8>)>, Failure> {
     let mut ready: Vec<CompressedLevels> = Vec::new();
     let mut out = Vec::new();
@@ -390,7 +390,7 @@ fn record(
 
 impl ExportSettings {
     /// The maps that are made, colours first.
-    pub(super) fn map_names(&self) -> Vec<&'static str> {
+    pub(crate) fn map_names(&self) -> Vec<&'static str> {
         let maps = self.maps.iter().map(|map| map.name());
         std::iter::once("albedo").chain(maps).collect()
     }
@@ -435,7 +435,7 @@ impl ExportSettings {
 
 /// The block format that a flag names.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
-pub(super) enum BlockName {
+pub(crate) enum BlockName {
     /// Better colours and alpha
     #[default]
     Bc7,
@@ -444,7 +444,7 @@ pub(super) enum BlockName {
 }
 
 impl BlockName {
-    pub(super) fn format(self) -> BlockFormat {
+    pub(crate) fn format(self) -> BlockFormat {
         match self {
             Self::Bc7 => BlockFormat::Bc7,
             Self::Bc3 => BlockFormat::Bc3,

@@ -23,7 +23,7 @@ const CONTENT_BYTES: usize = KEYWORD.len() + 64 + 1 + 64;
 const CHUNK_BYTES: usize = CONTENT_BYTES + 12;
 
 /// `bytes` with `recipe` and its own digest written into it, if it is a PNG file.
-pub(super) fn stamped(mut bytes: Vec<u8>, recipe: Digest) -> Vec<u8> {
+pub(crate) fn stamped(mut bytes: Vec<u8>, recipe: Digest) -> Vec<u8> {
     if is_png(&bytes) {
         let chunk = chunk(recipe, Digest::of(&bytes));
         bytes.splice(BEHIND_HEADER..BEHIND_HEADER, chunk);
@@ -32,7 +32,7 @@ pub(super) fn stamped(mut bytes: Vec<u8>, recipe: Digest) -> Vec<u8> {
 }
 
 /// Whether `bytes` is what [`stamped`] gave for `recipe`, bit for bit.
-pub(super) fn is_intact(bytes: &[u8], recipe: Digest) -> bool {
+pub(crate) fn is_intact(bytes: &[u8], recipe: Digest) -> bool {
     let behind = BEHIND_HEADER + CHUNK_BYTES;
     let Some(found) = bytes.get(BEHIND_HEADER..behind) else {
         return false;
@@ -43,7 +43,7 @@ pub(super) fn is_intact(bytes: &[u8], recipe: Digest) -> bool {
 
 /// `bytes` with `note`, a text of ASCII letters, written into it, if it is a PNG file. To be done
 /// before [`stamped`], whose digest covers it.
-pub(super) fn noted(mut bytes: Vec<u8>, note: &str) -> Vec<u8> {
+pub(crate) fn noted(mut bytes: Vec<u8>, note: &str) -> Vec<u8> {
     if is_png(&bytes) {
         let chunk = text_chunk(NOTE, note);
         bytes.splice(BEHIND_HEADER..BEHIND_HEADER, chunk);
@@ -52,7 +52,7 @@ pub(super) fn noted(mut bytes: Vec<u8>, note: &str) -> Vec<u8> {
 }
 
 /// What [`noted`] and then [`stamped`] wrote into `bytes`.
-pub(super) fn note(bytes: &[u8]) -> Option<&str> {
+pub(crate) fn note(bytes: &[u8]) -> Option<&str> {
     let chunk = bytes.get(BEHIND_HEADER + CHUNK_BYTES..)?;
     let (length, chunk) = chunk.split_at_checked(4)?;
     let length = u32::from_be_bytes(length.try_into().ok()?) as usize;

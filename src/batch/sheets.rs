@@ -1,7 +1,7 @@
 //! Sheets of pictures that were just written.
 
 use super::failure::Failure;
-use super::session::Session;
+use super::run::Run;
 use crate::raster::{
     Compression, Image, Premultiplied, ReadLimits, Rect, encode_png, read_image, resized,
 };
@@ -18,7 +18,7 @@ const MOST: usize = 200;
 ///
 /// # Errors
 /// [`Failure`] when a picture cannot be read back, the sheet cannot be written, or on cancellation.
-pub(super) fn draw(files: &[PathBuf], path: &Path, session: &Session<'_>) -> Result<(), Failure> {
+pub(crate) fn draw(files: &[PathBuf], path: &Path, session: &Run<'_>) -> Result<(), Failure> {
     let shown = files.len().min(MOST);
     let stage = session.progress.stage("sheet", shown as u64);
     let trees: Vec<Image<Premultiplied>> = (0..shown)

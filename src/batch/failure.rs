@@ -16,7 +16,7 @@ use std::process::ExitCode;
 
 /// Why a command failed. Prints as one line, without the leading `error: `.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) enum Failure {
+pub(crate) enum Failure {
     /// Bad usage or bad input: will fail again. `FILE: reason`.
     BadInput(String),
     /// SIGINT or SIGTERM; nothing half-written is left.
@@ -27,12 +27,12 @@ pub(super) enum Failure {
 
 impl Failure {
     /// Bad input in the file or setting `name`.
-    pub(super) fn of(name: impl fmt::Display, reason: impl fmt::Display) -> Self {
+    pub(crate) fn of(name: impl fmt::Display, reason: impl fmt::Display) -> Self {
         Self::BadInput(format!("{name}: {reason}"))
     }
 
     /// The crown `name` could not be made into files.
-    pub(super) fn of_crown_files(name: impl fmt::Display, error: &CrownFilesError) -> Self {
+    pub(crate) fn of_crown_files(name: impl fmt::Display, error: &CrownFilesError) -> Self {
         match error {
             CrownFilesError::Mesh(reason) => Self::of(name, reason),
             CrownFilesError::Cancelled(_) => Self::Cancelled,
@@ -40,7 +40,7 @@ impl Failure {
     }
 
     /// 2, 3 or 1.
-    pub(super) fn exit_code(&self) -> ExitCode {
+    pub(crate) fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {
             Self::BadInput(_) => 2,
             Self::Cancelled => 3,

@@ -1,15 +1,15 @@
 //! Jobs of many items: this shard's share in parallel, and what becomes of the bad ones.
 
 use super::failure::Failure;
-use super::session::Session;
+use super::run::Run;
 use rayon::prelude::*;
 
 /// What came of the items of this shard.
-pub(super) struct Made<R> {
+pub(crate) struct Made<R> {
     /// Index in the job and result of each item that could be made, in order.
-    pub(super) ready: Vec<(usize, R)>,
+    pub(crate) ready: Vec<(usize, R)>,
     /// Index in the job and reason of each item of bad input, in order.
-    pub(super) refused: Vec<(usize, String)>,
+    pub(crate) refused: Vec<(usize, String)>,
 }
 
 /// Makes the items of this shard in parallel: `make(index in the job, item)`.
@@ -20,13 +20,13 @@ pub(super) struct Made<R> {
 /// The first failure of the environment or cancellation; [`Failure::BadInput`] when this shard has
 /// items and none of them can be made (with one item only: its own failure). No items at all,
 /// beyond the end of the job, are no error.
-pub(super) fn made<T: Sync, R: Send>(
-    session: &Session<'_>,
+pub(crate) fn made<T: Sync, R: Send>(
+    session: &Run<'_>,
     stage: &'static str,
     items: &[T],
     make: impl Fn(usize, &T) -> Result<R, Failure> + Sync,
 ) -> Result<Made<R>, Failure> {
-    let shard = session.options.shard;
+    let shard = session.shard;
     let ours: Vec<(usize, &T)> = items
         .iter()
         .enumerate()
@@ -38,7 +38,7 @@ pub(super) fn made<T: Sync, R: Send>(
         .into_par_iter()
         .with_max_len(1)
         .map(|(index, item)| {
-            session.cancel.check()?;
+            session.check()?;
             let outcome = match make(index, item) {
                 Err(Failure::BadInput(reason)) if !alone => {
                     session.progress.warn(&reason);

@@ -6,7 +6,7 @@ use super::failure::Failure;
 use super::input::read_crown_and_record;
 use super::items;
 use super::output::recipe;
-use super::session::Session;
+use super::run::Run;
 use crate::base::{Digest, Seed};
 use crate::branches::sprite::LeafShape;
 use crate::export::{
@@ -18,7 +18,6 @@ use crate::export::{
 use crate::raster::{Compression, CubeFace, encode_png};
 use crate::scene::Crown;
 use clap::ValueEnum;
-use serde_json::json;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -27,7 +26,7 @@ const LAST: &str = "color_px.png";
 
 /// Directions of an impostor's frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
-pub(super) enum ImpostorName {
+pub(crate) enum ImpostorName {
     /// From all around
     Full,
     /// From the horizon and above
@@ -36,7 +35,7 @@ pub(super) enum ImpostorName {
 
 /// Leaves of a crown's cards.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
-pub(super) enum LeafName {
+pub(crate) enum LeafName {
     /// Egg-shaped: birch, apple
     #[default]
     Ovate,
@@ -56,7 +55,7 @@ pub(super) enum LeafName {
 
 impl LeafName {
     /// The shape of that name.
-    pub(super) fn shape(self) -> LeafShape {
+    pub(crate) fn shape(self) -> LeafShape {
         match self {
             Self::Ovate => LeafShape::Ovate,
             Self::Round => LeafShape::Round,
@@ -71,13 +70,13 @@ impl LeafName {
 
 /// What is made of crowns alone.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct CrownExportSettings {
-    pub(super) impostors: Vec<ImpostorName>,
-    pub(super) frames: u32,
-    pub(super) frame_px: u32,
-    pub(super) leaves: LeafName,
+pub(crate) struct CrownExportSettings {
+    pub(crate) impostors: Vec<ImpostorName>,
+    pub(crate) frames: u32,
+    pub(crate) frame_px: u32,
+    pub(crate) leaves: LeafName,
     /// Whether faces are written as OpenEXR, too.
-    pub(super) exr: bool,
+    pub(crate) exr: bool,
 }
 
 /// A crown that was exported.
@@ -95,7 +94,7 @@ const THUMBNAIL_PX: u32 = 192;
 ///
 /// # Errors
 /// [`Failure`] when the folder cannot be listed or a name is not text.
-pub(super) fn crown_folders(path: &Path) -> Result<Vec<(String, PathBuf)>, Failure> {
+pub(crate) fn crown_folders(path: &Path) -> Result<Vec<(String, PathBuf)>, Failure> {
     let is_crown = |folder: &Path| folder.join(crate::export::CROWN_RECORD).is_file();
     let named = |folder: PathBuf| {
         let whole = folder.canonicalize().unwrap_or_else(|_| folder.clone());
@@ -123,23 +122,31 @@ pub(super) fn crown_folders(path: &Path) -> Result<Vec<(String, PathBuf)>, Failu
     Ok(folders)
 }
 
+/// What was exported.
+pub(crate) struct ExportedCrowns {
+    pub(crate) records: Vec<PresetCrown>,
+    /// Why crowns were left out.
+    pub(crate) refused: Vec<String>,
+}
+
 /// A checked job on crowns.
-pub(super) struct CrownExport<'a> {
-    pub(super) settings: &'a ExportSettings,
-    pub(super) crowns: &'a [(String, PathBuf)],
+pub(crate) struct CrownExport<'a> {
+    pub(crate) settings: &'a ExportSettings,
+    pub(crate) crowns: &'a [(String, PathBuf)],
 }
 
 impl CrownExport<'_> {
-    pub(super) fn run(&self, session: &Session<'_>) -> Result<(), Failure> {
+    /// Makes the crowns of this shard and, when that is all of them, what they share.
+    pub(crate) fn run(&self, session: &Run<'_>) -> Result<ExportedCrowns, Failure> {
         let out = &self.settings.out;
         if self.settings.preset == Preset::FlightGear {
             let reason = "flightgear draws trees from pictures; export a library of them";
             return Err(Failure::of("--preset", reason));
         }
-        let whole = session.options.shard.is_whole();
+        let whole = session.shard.is_whole();
         let ours = (0u64..)
             .zip(self.crowns)
-            .filter(|(i, _)| session.options.shard.contains(*i));
+            .filter(|(i, _)| session.shard.contains(*i));
         for (_, (name, _)) in ours {
             let files = self.files(name);
             session
@@ -163,13 +170,9 @@ impl CrownExport<'_> {
         if whole {
             self.write_shared(&records, &samples, session)?;
         }
-        session.print_json(|| {
-            json!({
-                "preset": self.settings.preset.name(),
-                "crowns": records,
-                "refused": made.refused.into_iter().map(|(_, reason)| reason).collect::<Vec<_>>(),
-                "seconds": session.seconds(),
-            })
+        Ok(ExportedCrowns {
+            records,
+            refused: made.refused.into_iter().map(|(_, reason)| reason).collect(),
         })
     }
 
@@ -212,7 +215,7 @@ impl CrownExport<'_> {
         name: &str,
         folder: &Path,
         is_sample: bool,
-        session: &Session<'_>,
+        session: &Run<'_>,
     ) -> Result<ExportedCrown, Failure> {
         let settings = self.settings;
         let out = &settings.out;
@@ -222,7 +225,7 @@ impl CrownExport<'_> {
         let last = out.join(format!("cubemaps/{name}/{LAST}"));
         let is_ready = session.output.is_ready(&last, made_from)
             && files.values().all(|file| out.join(file).is_file());
-        let seed = Seed(session.options.seed);
+        let seed = Seed(session.seed);
         let leaves = leaf_model(&crown, name, settings.crowns.leaves.shape(), seed);
         session.cancel.check()?;
         let surface = surface_model(&crown, &format!("{name}_surface"));
@@ -261,7 +264,7 @@ impl CrownExport<'_> {
         })
     }
 
-    fn write(&self, file: &str, bytes: &[u8], session: &Session<'_>) -> Result<(), Failure> {
+    fn write(&self, file: &str, bytes: &[u8], session: &Run<'_>) -> Result<(), Failure> {
         session.cancel.check()?;
         session.output.write(&self.settings.out.join(file), bytes)
     }
@@ -271,7 +274,7 @@ impl CrownExport<'_> {
         made: &Impostor,
         form: &str,
         files: &BTreeMap<String, String>,
-        session: &Session<'_>,
+        session: &Run<'_>,
     ) -> Result<(), Failure> {
         let key = format!("impostor_{form}");
         for (key, picture) in [
@@ -292,7 +295,7 @@ impl CrownExport<'_> {
         &self,
         crown: &Crown,
         files: &BTreeMap<String, String>,
-        session: &Session<'_>,
+        session: &Run<'_>,
     ) -> Result<(), Failure> {
         for face in CubeFace::ALL {
             let faces = [
@@ -316,7 +319,7 @@ impl CrownExport<'_> {
         record: &CrownRecord,
         files: &BTreeMap<String, String>,
         made_from: Digest,
-        session: &Session<'_>,
+        session: &Run<'_>,
     ) -> Result<(), Failure> {
         let colors = encode_ktx2_colors(&crown.color, session.cancel)?;
         self.write(&files["colors"], &colors, session)?;
@@ -356,7 +359,7 @@ impl CrownExport<'_> {
         &self,
         records: &[PresetCrown],
         samples: &[CrownModel],
-        session: &Session<'_>,
+        session: &Run<'_>,
     ) -> Result<(), Failure> {
         let stage = session.progress.stage("scene", 1);
         let mut files = Files::new();
@@ -375,7 +378,7 @@ impl CrownExport<'_> {
     }
 
     /// The digest of all that a crown's files are made from.
-    fn recipe(&self, name: &str, crown: Digest, session: &Session<'_>) -> Digest {
+    fn recipe(&self, name: &str, crown: Digest, session: &Run<'_>) -> Digest {
         let settings = self.settings;
         let told = format!(
             "{name} {:?} {:?} {:?} {:?}",
@@ -383,7 +386,7 @@ impl CrownExport<'_> {
         );
         recipe("export crown")
             .with(crown.bytes())
-            .with(&session.options.seed.to_le_bytes())
+            .with(&session.seed.to_le_bytes())
             .with(told.as_bytes())
             .finish()
     }

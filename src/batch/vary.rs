@@ -1,0 +1,367 @@
+//! Pictures of trees → a folder of new trees: what `boscage vary` and the studio's batches do.
+
+use super::failure::Failure;
+use super::items;
+use super::library::opened;
+use super::output::recipe;
+use super::records::{ExemplarRecord, LibraryRecord, TreeRecord};
+use super::run::Run;
+use crate::base::{Digest, Hasher, Seed};
+use crate::pipeline::{GalleryTree, Pool, tree_maps};
+use crate::raster::{Compression, Image, encode_grey_png, encode_png};
+use crate::segment::{Classical, grey_from_labels};
+use crate::variation::{
+    ChoiceSettings, Chosen, ExemplarSettings, Library, LibraryPicture, Palette, Shape, Tree,
+    TreeMaker, chosen,
+};
+use clap::ValueEnum;
+use rayon::prelude::*;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+/// A further picture of a tree.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
+pub enum MapName {
+    /// Crown and trunk, 8-bit grey: 0 background, 128 trunk, 255 crown
+    Labels,
+    /// Tangent-space normals, Y+
+    Normal,
+    /// Height towards the viewer, 8-bit grey
+    Depth,
+    /// Openness to the sky, 8-bit grey
+    Ao,
+    /// Light that comes through from behind, 8-bit grey
+    Translucency,
+}
+
+impl MapName {
+    /// What stands between the tree's name and `.png`.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Labels => "labels",
+            Self::Normal => "normal",
+            Self::Depth => "depth",
+            Self::Ao => "ao",
+            Self::Translucency => "translucency",
+        }
+    }
+}
+
+/// Which trees are made.
+pub(crate) enum Trees {
+    /// That many, drawn at random.
+    Drawn(u32),
+    /// These, of exemplars with the indices of the pool's library.
+    Planned(Pool, Vec<PlannedTree>),
+}
+
+/// A tree that was decided on elsewhere.
+pub(crate) struct PlannedTree {
+    pub(crate) seed: Seed,
+    pub(crate) tree: GalleryTree,
+    /// Which of the job's pictures gives its colours.
+    pub(crate) like: Option<usize>,
+}
+
+impl Trees {
+    fn count(&self) -> u32 {
+        match self {
+            Self::Drawn(count) => *count,
+            Self::Planned(_, trees) => u32::try_from(trees.len()).unwrap_or(u32::MAX),
+        }
+    }
+}
+
+/// A tree that is to be made.
+struct Decided {
+    seed: Seed,
+    chosen: Chosen,
+    like: Option<usize>,
+}
+
+/// A checked job.
+pub(crate) struct Vary {
+    pub(crate) folder: PathBuf,
+    /// The library's pictures and, if there is one, the target as the last.
+    pub(crate) pictures: Vec<LibraryPicture>,
+    pub(crate) has_target: bool,
+    pub(crate) trees: Trees,
+    /// Pictures whose colours trees take; those that are drawn all take the first's.
+    pub(crate) likes: Vec<LibraryPicture>,
+    pub(crate) maps: BTreeSet<MapName>,
+    pub(crate) sheet: Option<PathBuf>,
+    pub(crate) settings: ExemplarSettings,
+    pub(crate) choice: ChoiceSettings,
+    pub(crate) cache: Option<PathBuf>,
+}
+
+impl Vary {
+    /// Chooses the trees, makes those of this shard, and writes the record, which it gives back.
+    pub(crate) fn run(
+        &self,
+        segmenter: &Classical,
+        out: &Path,
+        session: &Run<'_>,
+    ) -> Result<LibraryRecord, Failure> {
+        let outputs = Outputs {
+            folder: out,
+            maps: self.maps.clone(),
+        };
+        let count = self.trees.count();
+        let ours = (0..count).filter(|i| session.shard.contains(u64::from(*i)));
+        session
+            .output
+            .check(ours.flat_map(|i| outputs.of(&tree_name(i))))?;
+        session.output.check(self.sheet.as_ref())?;
+        if self.sheet.is_some() && !session.shard.is_whole() {
+            let reason = "a sheet shows all trees; make it with --resume once all shards are done";
+            return Err(Failure::of("--sheet", reason));
+        }
+        let library = opened(
+            &self.pictures,
+            self.settings,
+            segmenter,
+            self.cache.as_deref(),
+            session,
+        )?;
+        let target = self.target_of(&library)?;
+        let trees = self.decided(&library, target, session)?;
+        let likes = self
+            .likes
+            .iter()
+            .map(|picture| Like::of(picture, self.settings, segmenter, session))
+            .collect::<Result<Vec<Like>, Failure>>()?;
+        let record = self.record(&library, &trees, target, &likes);
+        let json = record.to_json();
+        session
+            .output
+            .check_same(&out.join("library.json"), json.as_bytes())?;
+
+        let palettes = likes.into_iter().map(|like| Some(like.palette));
+        let makers: Vec<TreeMaker<'_>> = std::iter::once(None)
+            .chain(palettes)
+            .map(|palette| TreeMaker::new(&library, palette))
+            .collect();
+        let items: Vec<(&Decided, &TreeRecord)> = trees.iter().zip(&record.trees).collect();
+        items::made(session, "vary", &items, |_, (tree, record)| {
+            let maker = &makers[tree.like.map_or(0, |like| like + 1)];
+            make_tree(maker, &tree.chosen, record, &outputs, session)
+        })?;
+        session
+            .output
+            .write_same(&out.join("library.json"), json.as_bytes())?;
+        self.draw_sheet(out, &record, session)?;
+        Ok(record)
+    }
+
+    /// The index of the target, which is the last of the library when there is one.
+    fn target_of(&self, library: &Library<'_>) -> Result<Option<usize>, Failure> {
+        let Some(picture) = self.pictures.last().filter(|_| self.has_target) else {
+            return Ok(None);
+        };
+        let path = &picture.path;
+        match library.entries().last() {
+            Some(entry) if entry.path == *path => Ok(Some(library.entries().len() - 1)),
+            _ => Err(Failure::of(path.display(), "cannot be used as the target")),
+        }
+    }
+
+    fn decided(
+        &self,
+        library: &Library<'_>,
+        target: Option<usize>,
+        session: &Run<'_>,
+    ) -> Result<Vec<Decided>, Failure> {
+        let shapes: Vec<&Shape> = library.entries().iter().map(|e| e.shape.as_ref()).collect();
+        let count = self.trees.count();
+        let stage = session.progress.stage("choose", u64::from(count));
+        (0..count)
+            .into_par_iter()
+            .map(|index| {
+                session.cancel.check()?;
+                let failed = |error| Failure::of(tree_name(index), error);
+                let decided = match &self.trees {
+                    Trees::Drawn(_) => {
+                        let seed = Seed(session.seed).derive("tree", u64::from(index));
+                        Decided {
+                            seed,
+                            chosen: chosen(&shapes, target, &self.choice, seed).map_err(failed)?,
+                            like: (!self.likes.is_empty()).then_some(0),
+                        }
+                    }
+                    Trees::Planned(pool, trees) => {
+                        let PlannedTree { seed, tree, like } = &trees[index as usize];
+                        let chosen = pool.chosen(library, tree, &self.choice);
+                        Decided {
+                            seed: *seed,
+                            chosen: chosen.map_err(failed)?,
+                            like: *like,
+                        }
+                    }
+                };
+                warn_if_distorted(index, &decided.chosen, session);
+                stage.advance();
+                Ok(decided)
+            })
+            .collect()
+    }
+
+    fn record(
+        &self,
+        library: &Library<'_>,
+        trees: &[Decided],
+        target: Option<usize>,
+        likes: &[Like],
+    ) -> LibraryRecord {
+        let trees = (0u32..).zip(trees).map(|(index, tree)| {
+            let like = tree.like.map(|like| &likes[like].record);
+            let name = tree_name(index);
+            TreeRecord::new(name, tree.seed, &tree.chosen, library, target, like)
+        });
+        LibraryRecord::new(&self.folder, self.settings, trees.collect())
+    }
+
+    fn draw_sheet(
+        &self,
+        out: &Path,
+        record: &LibraryRecord,
+        session: &Run<'_>,
+    ) -> Result<(), Failure> {
+        match &self.sheet {
+            None => Ok(()),
+            Some(path) => {
+                let files: Vec<PathBuf> = record.trees.iter().map(|t| out.join(&t.file)).collect();
+                super::sheets::draw(&files, path, session)
+            }
+        }
+    }
+}
+
+/// Tells of a tree that looks stretched or folded.
+fn warn_if_distorted(index: u32, chosen: &Chosen, session: &Run<'_>) {
+    let distortion = &chosen.layout.distortion;
+    if !distortion.is_small() {
+        session.progress.warn(&format!(
+            "{}: no choice fits well; stretched {:.1} times, folded {:.1} %, smeared {:.0} %",
+            tree_name(index),
+            distortion.stretch,
+            100.0 * distortion.folded,
+            100.0 * distortion.smeared,
+        ));
+    }
+}
+
+/// Name of tree `index`, without ending.
+fn tree_name(index: u32) -> String {
+    format!("tree_{index:04}")
+}
+
+/// Where the files of a tree go.
+pub(crate) struct Outputs<'a> {
+    pub(crate) folder: &'a Path,
+    pub(crate) maps: BTreeSet<MapName>,
+}
+
+impl Outputs<'_> {
+    fn picture(&self, name: &str) -> PathBuf {
+        self.folder.join(format!("{name}.png"))
+    }
+
+    fn map(&self, name: &str, map: MapName) -> PathBuf {
+        self.folder.join(format!("{name}.{}.png", map.name()))
+    }
+
+    /// All files of the tree `name`.
+    pub(crate) fn of(&self, name: &str) -> Vec<PathBuf> {
+        let maps = self.maps.iter().map(|map| self.map(name, *map));
+        std::iter::once(self.picture(name)).chain(maps).collect()
+    }
+}
+
+/// The picture that gives all trees its colours.
+pub(crate) struct Like {
+    record: ExemplarRecord,
+    pub(crate) palette: Palette,
+}
+
+impl Like {
+    /// Reads and segments the picture.
+    pub(crate) fn of(
+        picture: &LibraryPicture,
+        settings: ExemplarSettings,
+        segmenter: &Classical,
+        session: &Run<'_>,
+    ) -> Result<Self, Failure> {
+        let pictures = std::slice::from_ref(picture);
+        let library = opened(pictures, settings, segmenter, None, session)?;
+        let exemplar = library.exemplar(0, session.cancel)?;
+        Ok(Self {
+            record: ExemplarRecord {
+                file: picture.path.display().to_string(),
+                digest: library.entries()[0].digest.to_string(),
+            },
+            palette: Palette::of_exemplar(&exemplar),
+        })
+    }
+}
+
+/// Makes and writes one tree, unless it is there already.
+pub(crate) fn make_tree(
+    maker: &TreeMaker<'_>,
+    chosen: &Chosen,
+    record: &TreeRecord,
+    outputs: &Outputs<'_>,
+    session: &Run<'_>,
+) -> Result<(), Failure> {
+    let digest = record_digest(record);
+    let files = outputs.of(record.name());
+    if files
+        .iter()
+        .all(|file| session.output.is_ready(file, digest))
+    {
+        return Ok(());
+    }
+    let tree = maker.make(chosen, session.cancel)?;
+    if let Some(shown) = session.shown {
+        shown(&tree.image);
+    }
+    let png = encode_png(&tree.image, Compression::Fast);
+    session.cancel.check()?;
+    session
+        .output
+        .write_item(&outputs.picture(record.name()), png, digest)?;
+    write_maps(&tree, record, outputs, digest, session)
+}
+
+/// Writes the further pictures of a tree.
+fn write_maps(
+    tree: &Tree,
+    record: &TreeRecord,
+    outputs: &Outputs<'_>,
+    digest: Digest,
+    session: &Run<'_>,
+) -> Result<(), Failure> {
+    let shaped = outputs.maps.iter().any(|map| *map != MapName::Labels);
+    let maps = shaped.then(|| tree_maps(&tree.image, session.cancel));
+    let maps = maps.transpose()?;
+    for &name in &outputs.maps {
+        let grey = |image: &Image<u8>| encode_grey_png(image, Compression::Fast);
+        let png = match (name, &maps) {
+            (MapName::Normal, Some(maps)) => encode_png(&maps.normal, Compression::Fast),
+            (MapName::Depth, Some(maps)) => grey(&maps.depth),
+            (MapName::Ao, Some(maps)) => grey(&maps.ao),
+            (MapName::Translucency, Some(maps)) => grey(&maps.translucency),
+            _ => grey(&grey_from_labels(&tree.labels)),
+        };
+        session.cancel.check()?;
+        let path = outputs.map(record.name(), name);
+        session.output.write_item(&path, png, digest)?;
+    }
+    Ok(())
+}
+
+/// The digest of all that a tree is made of.
+fn record_digest(record: &TreeRecord) -> Digest {
+    let hasher: Hasher = recipe("vary");
+    hasher.with(record.to_json().as_bytes()).finish()
+}

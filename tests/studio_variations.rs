@@ -1,0 +1,304 @@
+//! The variations' workspace without a screen: gestures drive the real window; batches and exports are
+//! compared with those of the command line, byte for byte.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use boscage::app::{
+    Action, BatchSettings, Command, ExportChoice, Gesture, Shell, Studio, VaryAction, Which,
+    Workspace,
+};
+use boscage::document::{Edit, VariationSettings};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable as _;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+type Window = Harness<'static, Shell>;
+
+/// Samples that are used: three that match, so that few draws are needed.
+const SAMPLES: [&str; 3] = ["linden", "maple_autumn", "oak"];
+
+/// Draws frames until `is_so`, for jobs take their time.
+fn wait(window: &mut Window, is_so: impl Fn(&Studio) -> bool) {
+    let until = Instant::now() + Duration::from_secs(300);
+    while !is_so(window.state().studio()) {
+        assert!(Instant::now() < until, "what was waited for did not happen");
+        std::thread::sleep(Duration::from_millis(10));
+        window.step();
+    }
+    window.step();
+    window.step();
+}
+
+/// Writes the samples to files in `folder`.
+fn sample_files(folder: &Path) -> Vec<PathBuf> {
+    std::fs::create_dir_all(folder).unwrap();
+    let samples = boscage::branches::samples().iter();
+    let samples = samples.filter(|sample| SAMPLES.contains(&sample.name()));
+    let mut files: Vec<PathBuf> = samples
+        .map(|sample| {
+            let file = folder.join(format!("{}.webp", sample.name()));
+            std::fs::write(&file, sample.bundled()).unwrap();
+            file
+        })
+        .collect();
+    files.sort();
+    files
+}
+
+fn act(window: &mut Window, action: Action) {
+    window.state_mut().studio_mut().act(action);
+    window.step();
+    let complaint = window.state().studio().document().complaint();
+    assert_eq!(complaint, None);
+}
+
+fn settings(window: &Window) -> VariationSettings {
+    let studio = window.state().studio();
+    studio.document().state().content().variation.clone()
+}
+
+fn set(window: &mut Window, change: impl FnOnce(&mut VariationSettings)) {
+    let mut settings = settings(window);
+    change(&mut settings);
+    let edit = Edit::SetVariation(Box::new(settings));
+    let gesture = Gesture::Whole;
+    let label = "Set";
+    act(
+        window,
+        Action::Edit {
+            label,
+            edit,
+            gesture,
+        },
+    );
+}
+
+/// A window with the samples, in the variations' workspace, once its gallery of `count` is full.
+fn gallery_of(count: u32) -> (Window, tempfile::TempDir) {
+    let folder = tempfile::tempdir().unwrap();
+    let recovery = folder.path().join("recovery");
+    let mut window = Harness::builder()
+        .with_size([1440.0, 900.0])
+        .with_max_steps(64)
+        .build_eframe(move |creation| Shell::new(creation, recovery, Vec::new()));
+    let files = sample_files(&folder.path().join("pictures"));
+    act(&mut window, Action::Open(files));
+    let all_are_there = |studio: &Studio| {
+        let photos = &studio.document().state().content().photos;
+        photos.len() == SAMPLES.len()
+    };
+    wait(&mut window, all_are_there);
+    set(&mut window, |settings| settings.count = count);
+    act(
+        &mut window,
+        Action::Do(Command::Show(Workspace::Variations)),
+    );
+    wait(&mut window, |studio| studio.missing_trees() == Some(0));
+    (window, folder)
+}
+
+/// All files below `folder`, by their path in it.
+fn contents(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    let mut folders = vec![folder.to_owned()];
+    while let Some(next) = folders.pop() {
+        for entry in std::fs::read_dir(next).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else {
+                let name = path.strip_prefix(folder).unwrap().to_owned();
+                found.insert(name, std::fs::read(path).unwrap());
+            }
+        }
+    }
+    found
+}
+
+fn boscage(arguments: &[&std::ffi::OsStr]) {
+    let run = std::process::Command::new(env!("CARGO_BIN_EXE_boscage"))
+        .args(arguments)
+        .output()
+        .unwrap();
+    let told = String::from_utf8_lossy(&run.stderr);
+    assert!(run.status.success(), "{told}");
+}
+
+#[test]
+fn the_gallery_fills_and_locks_keep_what_rolling_replaces() {
+    let (mut window, _folder) = gallery_of(3);
+    let studio = window.state().studio();
+    let before = studio.gallery_seeds();
+    assert_eq!(before.len(), 3);
+    for index in 0..3 {
+        let picture = studio.gallery_picture(index).unwrap();
+        let opaque = picture.pixels().iter().filter(|pixel| pixel.alpha() > 128);
+        assert!(opaque.count() > 2000, "tree {index} is empty");
+    }
+    let kept = studio.gallery_picture(1).unwrap().clone();
+    window.get_by_label("Lock tree 2").click();
+    window.step();
+    window.step();
+    assert_eq!(settings(&window).locked, [before[1]]);
+    assert_eq!(window.state().studio().gallery_seeds(), before);
+    let digest = window.state().studio().document().digest();
+
+    window.get_by_label("Roll Again").click();
+    window.step();
+    wait(&mut window, |studio| studio.missing_trees() == Some(0));
+    let studio = window.state().studio();
+    let after = studio.gallery_seeds();
+    assert_eq!(after.len(), 3);
+    assert_eq!(after[0], before[1]);
+    assert_eq!(studio.gallery_picture(0), Some(&kept));
+    assert!(after[1..].iter().all(|seed| !before.contains(seed)));
+
+    act(&mut window, Action::Do(Command::Undo));
+    let studio = window.state().studio();
+    assert_eq!(studio.document().digest(), digest);
+    assert_eq!(studio.gallery_seeds(), before);
+    // What was made before is found again.
+    assert_eq!(studio.missing_trees(), Some(0));
+}
+
+#[test]
+fn favourites_stay_and_siblings_are_made_of_the_same_exemplars() {
+    let (mut window, _folder) = gallery_of(2);
+    let digest = window.state().studio().document().digest();
+    window.get_by_label("Keep tree 1").click();
+    window.step();
+    let kept = settings(&window).favourites;
+    assert_eq!(kept.len(), 1);
+    assert_eq!(kept[0].name, "Tree 1");
+    assert_eq!(kept[0].seed, window.state().studio().gallery_seeds()[0]);
+    let sum: f64 = kept[0].exemplars.iter().map(|part| part.weight).sum();
+    assert!((sum - 1.0).abs() < 1e-9);
+    let name = "Old oak".to_owned();
+    act(&mut window, Action::Vary(VaryAction::Rename(0, name)));
+    wait(&mut window, |studio| studio.missing_trees() == Some(0));
+    assert!(window.query_by_label("Favourite Old oak").is_some());
+    // Chance may change; the favourite does not.
+    set(&mut window, |settings| settings.mix = 3);
+    act(&mut window, Action::Do(Command::RollTrees));
+    assert_eq!(settings(&window).favourites[0].exemplars, kept[0].exemplars);
+    for _ in 0..4 {
+        act(&mut window, Action::Do(Command::Undo));
+    }
+    assert_eq!(window.state().studio().document().digest(), digest);
+}
+
+#[test]
+fn a_drag_on_the_map_is_one_step_that_mixes() {
+    let (mut window, _folder) = gallery_of(1);
+    let digest = window.state().studio().document().digest();
+    let map = window.get_by_label("Map of exemplars").rect();
+    let pointer = |window: &mut Window, at: egui::Pos2, pressed: Option<bool>| {
+        window.event(egui::Event::PointerMoved(at));
+        if let Some(pressed) = pressed {
+            window.event(egui::Event::PointerButton {
+                pos: at,
+                button: egui::PointerButton::Primary,
+                pressed,
+                modifiers: egui::Modifiers::NONE,
+            });
+        }
+        window.step();
+    };
+    let middle = map.center();
+    pointer(&mut window, middle, Some(true));
+    for step in 1..=8 {
+        let at = middle + egui::vec2(3.0, -2.0) * step as f32;
+        pointer(&mut window, at, None);
+    }
+    pointer(&mut window, middle, None);
+    pointer(&mut window, middle, Some(false));
+    window.step();
+    let mix = settings(&window).exemplars;
+    assert_eq!(mix.len(), 3);
+    for part in &mix {
+        assert!((part.weight - 1.0 / 3.0).abs() < 0.02, "{mix:?}");
+    }
+    let studio = window.state().studio();
+    assert_eq!(studio.document().complaint(), None);
+    assert_eq!(studio.document().undo_label(), Some("Mix"));
+    act(&mut window, Action::Do(Command::Undo));
+    assert_eq!(window.state().studio().document().digest(), digest);
+}
+
+#[test]
+fn batches_and_exports_are_those_of_the_command_line() {
+    let (mut window, folder) = gallery_of(1);
+    let (ours, theirs) = (folder.path().join("ours"), folder.path().join("theirs"));
+    let batch = BatchSettings {
+        which: Which::Drawn(2),
+        folder: ours.clone(),
+        size: 128,
+        has_sheet: false,
+        export: Some(ExportChoice {
+            preset: boscage::export::Preset::Godot,
+            ..ExportChoice::default()
+        }),
+        ..BatchSettings::default()
+    };
+    act(&mut window, Action::Vary(VaryAction::Make(Box::new(batch))));
+    let is_done = |studio: &Studio| {
+        let mut notices = studio.notices().iter();
+        notices.any(|notice| notice.text.starts_with("Exported 2 trees for godot"))
+    };
+    wait(&mut window, is_done);
+
+    let pictures = folder.path().join("pictures");
+    let trees = theirs.join("trees");
+    let vary = [
+        "vary",
+        "--count",
+        "2",
+        "--size",
+        "128",
+        "--no-cache",
+        "--library",
+    ];
+    let mut vary: Vec<&std::ffi::OsStr> = vary.map(AsRef::as_ref).to_vec();
+    vary.extend([pictures.as_os_str(), "--out".as_ref(), trees.as_os_str()]);
+    boscage(&vary);
+    let export: [&std::ffi::OsStr; 6] = [
+        "export".as_ref(),
+        trees.as_os_str(),
+        "--preset".as_ref(),
+        "godot".as_ref(),
+        "--out".as_ref(),
+        theirs.as_os_str(),
+    ];
+    boscage(&export);
+    let (mut ours, theirs) = (contents(&ours), contents(&theirs));
+    // The studio's has its exemplars beside it; the records name different folders of them.
+    ours.retain(|path, _| !path.starts_with("trees/exemplars"));
+    assert!(
+        ours.keys().eq(theirs.keys()),
+        "{:?} {:?}",
+        ours.keys(),
+        theirs.keys()
+    );
+    for (path, bytes) in &theirs {
+        if path != Path::new("trees/library.json") {
+            assert!(ours[path] == *bytes, "{} differs", path.display());
+        }
+    }
+
+    // A batch can be made again from its record alone.
+    let again = folder.path().join("again");
+    let record = folder.path().join("ours/trees/library.json#tree_0001");
+    let vary: [&std::ffi::OsStr; 6] = [
+        "vary".as_ref(),
+        "--recipe".as_ref(),
+        record.as_os_str(),
+        "--no-cache".as_ref(),
+        "--out".as_ref(),
+        again.as_os_str(),
+    ];
+    boscage(&vary);
+    let again = std::fs::read(again.join("tree_0001.png")).unwrap();
+    assert!(again == ours[Path::new("trees/tree_0001.png")]);
+}

@@ -4,6 +4,7 @@
 //! hand is that quick, so our own dialog, a field for the path, opens then.
 
 use super::action::Action;
+use super::live::LiveAction;
 use super::theme::GAP;
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
@@ -19,6 +20,8 @@ pub(super) enum Purpose {
     Open,
     /// The file to save the project to.
     Save,
+    /// The file to save a picture of the crown to.
+    Picture,
 }
 
 /// The dialogs of the window; one at a time.
@@ -103,6 +106,11 @@ fn of_desktop(purpose: Purpose) -> Option<Vec<PathBuf>> {
             )
             .add_filter("All files", &["*"])
             .pick_files(),
+        Purpose::Picture => dialog
+            .add_filter("PNG picture", &["png"])
+            .set_file_name("tree.png")
+            .save_file()
+            .map(|path| vec![path]),
         Purpose::Save => {
             let dialog = dialog.add_filter("Boscage project", &["boscage"]);
             dialog
@@ -116,6 +124,13 @@ fn of_desktop(purpose: Purpose) -> Option<Vec<PathBuf>> {
 fn chosen(purpose: Purpose, mut paths: Vec<PathBuf>) -> Option<Action> {
     match purpose {
         Purpose::Open => (!paths.is_empty()).then_some(Action::Open(paths)),
+        Purpose::Picture => {
+            let mut path = paths.pop()?;
+            if path.extension().is_none() {
+                path.set_extension("png");
+            }
+            Some(Action::Live(LiveAction::SavePicture(path)))
+        }
         Purpose::Save => {
             let mut path = paths.pop()?;
             if path.extension().is_none() {
@@ -141,6 +156,7 @@ impl OwnDialog {
         let (title, verb) = match self.purpose {
             Purpose::Open => ("Open", "Open"),
             Purpose::Save => ("Save Project As", "Save"),
+            Purpose::Picture => ("Save Picture", "Save"),
         };
         let modal = egui::Modal::new(egui::Id::unique("own file dialog")).show(ctx, |ui| {
             ui.set_width(460.0);

@@ -132,6 +132,7 @@ impl Shell {
             Effect::ZoomToFit | Effect::ZoomToPixels | Effect::FrameTree => {
                 self.panels.perform(&effect)
             }
+            Effect::AskWhereToSavePicture => self.dialogs.ask(Purpose::Picture, ctx),
             Effect::RestoreLayout => self.layouts = Layouts::default(),
             Effect::TogglePalette => self.palette.toggle(),
             Effect::ToggleShortcutSheet => self.shows_shortcuts = !self.shows_shortcuts,

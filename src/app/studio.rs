@@ -149,6 +149,8 @@ pub(super) enum Effect {
     ZoomToFit,
     /// Shows each pixel on one of the screen.
     ZoomToPixels,
+    /// Shows the file dialog for a picture of the crown.
+    AskWhereToSavePicture,
     /// Shows the whole tree.
     FrameTree,
     /// Puts all panels back.

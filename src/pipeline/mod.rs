@@ -17,5 +17,5 @@ pub use crown::{
 };
 pub use frame::CrownFrame;
 pub use live::{LiveCrown, LiveInput, LiveResult, Quality};
-pub use request::CrownRequest;
+pub use request::{CrownRequest, is_crown};
 pub use tree_maps::{DEPTH_SHARE, TreeMaps, tree_maps};

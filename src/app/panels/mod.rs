@@ -3,9 +3,11 @@
 
 mod canvas;
 mod crown;
+mod field;
 mod gallery;
 mod jobs;
 mod pictures;
+mod profile;
 pub(super) mod screen;
 mod variation;
 mod view;
@@ -32,7 +34,7 @@ impl Panels {
             pictures: pictures::Pictures::default(),
             canvas: canvas::Canvas::default(),
             view: view::View::new(creation),
-            crown: crown::Crown,
+            crown: crown::Crown::default(),
             gallery: gallery::Gallery,
             variation: variation::Variation,
         }

@@ -27,7 +27,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// Squares along a side of a face where the crown is drawn as a mesh, and as wires.
 const MESH_CELLS: u32 = 96;
-const WIRE_CELLS: u32 = 40;
+const WIRE_CELLS: u32 = 20;
 
 /// How the crown is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]

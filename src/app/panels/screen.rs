@@ -191,7 +191,11 @@ impl Card {
 
 /// The triangles of the picture.
 pub(in super::super) fn meshes(shown: &ShownCrown, drawn: Drawn) -> Vec<PreparedMesh> {
-    let mut meshes = vec![shown.trunk.clone()];
+    let mut meshes = Vec::new();
+    if drawn != Drawn::Wireframe {
+        // Its triangles are so small that the stem would be black.
+        meshes.push(shown.trunk.clone());
+    }
     if matches!(drawn, Drawn::Mesh | Drawn::Wireframe) {
         meshes.extend(shown.surface.iter().map(|(_, mesh)| mesh.clone()));
     }

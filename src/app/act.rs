@@ -142,6 +142,7 @@ impl Studio {
             Command::ToggleTheme => self.preferences.is_dark = !self.preferences.is_dark,
             Command::RestoreLayout => self.effects.push(Effect::RestoreLayout),
             Command::FrameTree => self.effects.push(Effect::FrameTree),
+            Command::SavePicture => self.effects.push(Effect::AskWhereToSavePicture),
             Command::Turntable => self.live.is_turning = !self.live.is_turning,
             Command::Draw(drawn) => self.act_live(LiveAction::Draw(drawn)),
             Command::Palette => self.effects.push(Effect::TogglePalette),
@@ -157,6 +158,9 @@ impl Studio {
             Command::Undo => self.document.undo_label().is_some() || self.is_drawing(),
             Command::Redo => self.document.redo_label().is_some(),
             Command::Save => self.document.is_dirty() || self.file.path.is_none(),
+            Command::FrameTree | Command::Turntable | Command::SavePicture => {
+                self.live.shown.is_some()
+            }
             Command::RemovePhoto
             | Command::ClearMask
             | Command::InvertMask

@@ -126,6 +126,8 @@ pub enum Command {
     Turntable,
     /// Draws the crown in this way.
     Draw(Drawn),
+    /// Writes what the 3D view shows to a file.
+    SavePicture,
     /// Dark or light.
     ToggleTheme,
     /// Puts all panels where they came from.
@@ -246,6 +248,7 @@ pub const TABLE: &[Row] = &[
     row(Command::Draw(Drawn::Leaves), Menu::Tree, "Draw Leaves", "Draws the crown with twigs and leaves.", NONE, Key::F6),
     row(Command::Draw(Drawn::Mesh), Menu::Tree, "Draw Mesh", "Draws the triangles of the crown's surface.", NONE, Key::F7),
     row(Command::Draw(Drawn::Wireframe), Menu::Tree, "Draw Wireframe", "Draws the triangles with their edges.", NONE, Key::F8),
+    row(Command::SavePicture, Menu::Tree, "Save Picture…", "Writes what the 3D view shows to a PNG file.", NONE, Key::F12),
     row(Command::ToggleTheme, Menu::View, "Dark or Light", "Changes between the dark and the light theme.", COMMAND_SHIFT, Key::L),
     row(Command::RestoreLayout, Menu::View, "Restore Default Layout", "Puts all panels back where they came from.", COMMAND_SHIFT, Key::R),
     row(Command::Palette, Menu::Help, "Command Palette…", "Finds any command by its name.", COMMAND_SHIFT, Key::P),

@@ -5,6 +5,7 @@
 
 use super::act_vary::VaryAction;
 use super::action::Action;
+use super::live::LiveAction;
 use super::mask_action::MaskAction;
 use super::theme::GAP;
 use std::path::PathBuf;
@@ -27,6 +28,8 @@ pub(super) enum Purpose {
     ExportMask,
     /// A folder to write trees to.
     Folder,
+    /// The file to save a picture of the crown to.
+    Picture,
 }
 
 /// The dialogs of the window; one at a time.
@@ -121,6 +124,11 @@ fn of_desktop(purpose: Purpose) -> Option<Vec<PathBuf>> {
             let dialog = dialog.set_file_name("mask.png");
             dialog.save_file().map(|path| vec![path])
         }
+        Purpose::Picture => dialog
+            .add_filter("PNG picture", &["png"])
+            .set_file_name("tree.png")
+            .save_file()
+            .map(|path| vec![path]),
         Purpose::Save => {
             let dialog = dialog.add_filter("Boscage project", &["boscage"]);
             dialog
@@ -139,12 +147,15 @@ fn chosen(purpose: Purpose, mut paths: Vec<PathBuf>) -> Option<Action> {
         }
         Purpose::Open => (!paths.is_empty()).then_some(Action::Open(paths)),
         Purpose::ImportMask => Some(Action::Mask(MaskAction::Import(paths.pop()?))),
-        Purpose::ExportMask => {
+        Purpose::ExportMask | Purpose::Picture => {
             let mut path = paths.pop()?;
             if path.extension().is_none() {
                 path.set_extension("png");
             }
-            Some(Action::Mask(MaskAction::Export(path)))
+            Some(match purpose {
+                Purpose::Picture => Action::Live(LiveAction::SavePicture(path)),
+                _ => Action::Mask(MaskAction::Export(path)),
+            })
         }
         Purpose::Save => {
             let mut path = paths.pop()?;
@@ -174,6 +185,7 @@ impl OwnDialog {
             Purpose::ImportMask => ("Import Mask", "Import"),
             Purpose::ExportMask => ("Export Mask", "Export"),
             Purpose::Folder => ("Choose a Folder", "Choose"),
+            Purpose::Picture => ("Save Picture", "Save"),
         };
         let modal = egui::Modal::new(egui::Id::unique("own file dialog")).show(ctx, |ui| {
             ui.set_width(460.0);

@@ -6,21 +6,28 @@
 //! edit.
 
 use super::outcome::Outcome;
-use super::panels::screen::meshes;
+use super::panels::screen::{light, meshes, settings};
 use super::preferences::Navigation;
-use super::studio::Studio;
+use super::studio::{Severity, Studio};
+use crate::base::write_atomic;
 use crate::document::{CrownSettings, PhotoId};
+use crate::geometry::Point;
 use crate::jobs::{Context, JobError, JobId, Priority, Request, Topic};
-use crate::pipeline::{CrownError, CrownRequest, LiveCrown, LiveInput, LiveResult, Quality};
-use crate::raster::{Image, Straight};
-use crate::render::{LeafSet, PreparedCrown, PreparedMesh, RenderSettings, SceneView, cpu};
+use crate::pipeline::{
+    CrownError, CrownRequest, LiveCrown, LiveInput, LiveResult, Quality, is_crown,
+};
+use crate::raster::{Compression, Image, Straight, encode_png};
+use crate::render::{
+    Backend, LeafSet, PreparedCrown, PreparedMesh, RenderSettings, Renderer, SceneView, cpu,
+};
 use crate::scene::{Backdrop, Camera, Crown, CrownInstance, Light, Trunk};
 use glam::DVec3;
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Squares along a side of a face where the crown is drawn as a mesh, and as wires.
 const MESH_CELLS: u32 = 96;
-const WIRE_CELLS: u32 = 40;
+const WIRE_CELLS: u32 = 20;
 
 /// How the crown is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -74,6 +81,10 @@ pub enum LiveAction {
     Backdrop(Backdrop),
     /// Moves the camera with other buttons.
     Navigation(Navigation),
+    /// The view is seen from here now, at so many pixels.
+    Seen(Camera, (u32, u32)),
+    /// Writes what the view shows to a file.
+    SavePicture(PathBuf),
     /// Draws a picture on the processor, with these leaves.
     Picture(Box<PictureRequest>, Arc<LeafSet>),
 }
@@ -84,6 +95,7 @@ pub struct PictureRequest {
     /// The edit and the quality of the crown that is to be seen.
     pub(super) serial: u64,
     pub(super) quality: Quality,
+    pub(super) has_surface: bool,
     pub(super) camera: Camera,
     pub(super) light: Light,
     pub(super) backdrop: Backdrop,
@@ -104,6 +116,10 @@ pub(super) struct ShownCrown {
     pub(super) surface: Option<(u32, PreparedMesh)>,
     /// The middle of the tree and the radius of a ball around it.
     pub(super) bounds: (DVec3, f64),
+    /// Places along its silhouette, see [`LiveResult::silhouette`].
+    pub(super) silhouette: Arc<[(f64, Point)]>,
+    /// The labels of its sub-crowns.
+    pub(super) sub_crowns: Vec<u8>,
     color_version: u64,
 }
 
@@ -115,6 +131,8 @@ pub(super) enum LiveOutcome {
     Failed(u64, String),
     /// A picture of the processor.
     Picture(Image<Straight>),
+    /// A picture was written to this file.
+    Saved(PathBuf),
 }
 
 /// What the crown is made from.
@@ -151,6 +169,8 @@ pub(super) struct Live {
     /// What it drew, with a number of its own.
     pub(super) picture: Option<(u64, Image<Straight>)>,
     picture_job: Option<JobId>,
+    /// From where the view is seen, and its pixels.
+    pub(super) seen: Option<(Camera, (u32, u32))>,
 }
 
 const QUICK: Topic = Topic {
@@ -168,6 +188,11 @@ const PICTURE: Topic = Topic {
 };
 
 impl Live {
+    /// Whether the crown's last and longest step is under way.
+    pub(super) fn is_growing(&self) -> bool {
+        self.full.is_some()
+    }
+
     /// Whether a better crown is on its way.
     pub(super) fn is_working(&self) -> bool {
         self.quick.is_some() || self.full.is_some()
@@ -214,6 +239,8 @@ impl Studio {
             }
             LiveAction::Backdrop(backdrop) => self.live.backdrop = backdrop,
             LiveAction::Navigation(navigation) => self.preferences.navigation = navigation,
+            LiveAction::Seen(camera, size) => self.live.seen = Some((camera, size)),
+            LiveAction::SavePicture(path) => self.save_picture(path),
             LiveAction::Picture(request, leaves) => self.draw_on_processor(*request, leaves),
         }
     }
@@ -251,7 +278,9 @@ impl Studio {
             _ => Arc::clone(self.document.state().mask(id)?),
         };
         let fits = (photo.width(), photo.height()) == (labels.width(), labels.height());
-        let has_crown = labels.count(|label| label == 1 || label > 2) > 0;
+        let is_known = |wanted: &Wanted| Arc::ptr_eq(&wanted.input.labels, &labels);
+        let has_crown =
+            self.live.wanted.as_ref().is_some_and(is_known) || labels.bounds(is_crown).is_some();
         (fits && has_crown).then(|| Wanted {
             photo: id,
             input: LiveInput {
@@ -336,6 +365,9 @@ impl Studio {
                 let number = self.live.picture.as_ref().map_or(0, |(number, _)| *number);
                 self.live.picture = Some((number + 1, image));
             }
+            LiveOutcome::Saved(path) => {
+                self.notify(Severity::Info, format!("Saved {}", path.display()));
+            }
             LiveOutcome::Failed(serial, why) => {
                 if serial == self.live.serial {
                     self.live.trouble = Some(why);
@@ -383,6 +415,56 @@ impl Studio {
         };
         let request = Request::new("Drawing the crown", PICTURE, Priority::Interactive, work);
         self.live.picture_job = Some(self.jobs.submit(request));
+    }
+}
+
+/// Samples along each side of a pixel of a picture that is kept.
+const KEPT_FINENESS: u32 = 3;
+
+impl Studio {
+    /// Draws what the view shows once more, finely, and writes it to `path`.
+    fn save_picture(&mut self, path: PathBuf) {
+        let (Some(shown), Some((camera, size))) = (self.live.shown.clone(), self.live.seen) else {
+            return;
+        };
+        let (drawn, backdrop, light) = (self.live.drawn, self.live.backdrop, light(self));
+        let work = move |context: &Context<Outcome>| {
+            let view = SceneView {
+                crowns: std::slice::from_ref(&shown.prepared),
+                instances: &[CrownInstance::plain(0)],
+                meshes: &meshes(&shown, drawn),
+                leaves: &LeafSet::default(),
+                camera: &camera,
+                light: &light,
+                backdrop,
+            };
+            let settings = RenderSettings {
+                fineness: KEPT_FINENESS,
+                ..settings(drawn, size)
+            };
+            let drawn_by = |backend| {
+                let mut renderer = Renderer::new(backend)?;
+                renderer.picture(&view, &settings, context.cancel())
+            };
+            let picture = match drawn_by(Backend::Gpu) {
+                Err(error) if error.is_of_device() => drawn_by(Backend::Cpu),
+                other => other,
+            };
+            let picture = picture.map_err(JobError::failed)?;
+            let bytes = encode_png(&picture, Compression::Small);
+            write_atomic(&path, &bytes).map_err(JobError::failed)?;
+            Ok(Outcome::Live(LiveOutcome::Saved(path)))
+        };
+        let topic = Topic {
+            kind: "saved picture",
+            item: 0,
+        };
+        self.jobs.submit(Request::new(
+            "Saving a picture",
+            topic,
+            Priority::Interactive,
+            work,
+        ));
     }
 }
 
@@ -448,6 +530,8 @@ impl Making {
         LiveResult {
             crown,
             color_version,
+            silhouette,
+            sub_crowns,
         }: LiveResult,
         quality: Quality,
         context: &Context<Outcome>,
@@ -481,6 +565,8 @@ impl Making {
             trunk: mesh,
             surface,
             bounds,
+            silhouette,
+            sub_crowns,
             color_version,
         })
     }

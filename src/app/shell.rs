@@ -154,6 +154,7 @@ impl Shell {
             }
             Effect::AskForFolder => self.dialogs.ask(Purpose::Folder, ctx),
             Effect::AskWhatToMake(command) => self.make_dialog.open(command),
+            Effect::AskWhereToSavePicture => self.dialogs.ask(Purpose::Picture, ctx),
             Effect::RestoreLayout => self.layouts = Layouts::default(),
             Effect::TogglePalette => self.palette.toggle(),
             Effect::ToggleShortcutSheet => self.shows_shortcuts = !self.shows_shortcuts,

@@ -121,6 +121,8 @@ pub(super) enum Effect {
     AskWhichMask,
     /// Shows the file dialog for a mask to write.
     AskWhereToExportMask,
+    /// Shows the file dialog for a picture of the crown.
+    AskWhereToSavePicture,
     /// Shows the whole tree.
     FrameTree,
     /// Puts all panels back.

@@ -47,7 +47,7 @@ pub use inflation::{Inflation, InflationError, Sheet};
 pub use iterative::{IterativeSettings, iterative_sheet};
 pub use leaf_points::{LEAF_POINTS, leaf_points};
 pub use luminance::luminance;
-pub use profile::{Profile, ProfileError};
+pub use profile::{Profile, ProfileError, silhouette};
 pub use pyramid::{Pyramid, ReliefSettings, SettingError};
 pub use radial::{Crossing, RadialSilhouette};
 pub use radius::{

@@ -10,7 +10,7 @@
 use super::domain::Domain;
 use crate::contour::outlines;
 use crate::geometry::{Point, signed_area};
-use crate::raster::{Image, labelled_components};
+use crate::raster::{Image, Mask, labelled_components};
 use serde::{Deserialize, Serialize};
 
 /// Values of k along the silhouette of each component of a mask.
@@ -206,27 +206,51 @@ fn k_of_borders(profile: &Profile, domain: &Domain) -> Image<Option<f64>> {
     let components = labelled_components(mask);
     let mut borders = Image::filled(mask.width(), mask.height(), None);
     for outline in outlines(mask).all {
-        let mut points = outline.points;
+        let points = outline.points;
         let first = points[0];
         let component = components.at(first.x as u32, first.y as u32) as usize - 1;
-        if signed_area(&points) < 0.0 {
-            points.reverse();
-        }
-        let start = lowest(&points);
-        points.rotate_left(start);
-        let step = |i: usize| points[i].distance(points[(i + 1) % points.len()]);
-        let length: f64 = (0..points.len()).map(step).sum();
-        let mut passed = 0.0;
-        for (i, point) in points.iter().enumerate() {
-            let t = if length > 0.0 { passed / length } else { 0.0 };
+        for (t, point) in walk(points) {
             let (x, y) = (point.x as u32, point.y as u32);
             if borders.at(x, y).is_none() {
                 borders.set(x, y, Some(profile.value(component, t)));
             }
-            passed += step(i);
         }
     }
     borders
+}
+
+/// The places that t stands for on the longest border of `mask`: each of its pixels with its t,
+/// ascending from 0.
+///
+/// ```
+/// use boscage::{crown::silhouette, raster::Image};
+/// let walk = silhouette(&Image::filled(5, 5, true));
+/// assert_eq!((walk.len(), walk[0].0), (16, 0.0));
+/// assert_eq!((walk[0].1.x, walk[0].1.y), (2.0, 4.0));
+/// assert_eq!((walk[4].0, walk[4].1.x, walk[4].1.y), (0.25, 4.0, 2.0));
+/// ```
+pub fn silhouette(mask: &Mask) -> Vec<(f64, Point)> {
+    let all = outlines(mask).all.into_iter();
+    let longest = all.rev().max_by_key(|outline| outline.points.len());
+    longest.map_or(Vec::new(), |outline| walk(outline.points))
+}
+
+/// The pixels of a border in the order of t, each with its t.
+fn walk(mut points: Vec<Point>) -> Vec<(f64, Point)> {
+    if signed_area(&points) < 0.0 {
+        points.reverse();
+    }
+    let start = lowest(&points);
+    points.rotate_left(start);
+    let step = |i: usize| points[i].distance(points[(i + 1) % points.len()]);
+    let length: f64 = (0..points.len()).map(step).sum();
+    let mut passed = 0.0;
+    let place = |(i, &point): (usize, &Point)| {
+        let t = if length > 0.0 { passed / length } else { 0.0 };
+        passed += step(i);
+        (t, point)
+    };
+    points.iter().enumerate().map(place).collect()
 }
 
 /// The index of the lowest point, the middle one of several.

@@ -13,14 +13,15 @@ use crate::base::{Cancel, Cancelled, Progress, Seed};
 use crate::crown::{
     BaseMeshError, Domain, Envelope, Inflation, InflationError, Method, ProfileError, RadiusError,
     ReliefSettings, SettingError, SubCrown, Tangent, TangentError, crown_center, height_cubemap,
-    into_world, merged_radius_cubemap, radius_with_relief, sheet_surface, sub_crowns_merged,
-    turned_copies, without_steep_walls,
+    into_world, merged_radius_cubemap, radius_with_relief, sheet_surface, silhouette,
+    sub_crowns_merged, turned_copies, without_steep_walls,
 };
 use crate::geometry::{Mesh, Point};
 use crate::raster::{Cubemap, Image, Mask, Straight, opaque_bounds};
 use crate::scene::Crown;
 use crate::synth::{CrownSurface, CubemapSettings, Extent, SynthesisError, foliage_cubemap};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// How a crown is made from a photograph.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -428,6 +429,9 @@ pub fn crown_shape(
 pub(super) struct Inflated {
     volume: Volume,
     inflation: Inflation,
+    /// Places along the silhouette as [`silhouette`] has them, in the square around the crown: 0 … 1
+    /// from its left and top.
+    pub(super) silhouette: Arc<[(f64, Point)]>,
 }
 
 impl Inflated {
@@ -441,7 +445,21 @@ impl Inflated {
         let volume =
             Volume::new(mask, settings.size, &settings.envelope).ok_or(InflationError::Empty)?;
         let inflation = Inflation::new(Domain::new(&volume.mask)?, progress, cancel)?;
-        Ok(Self { volume, inflation })
+        let bounds = inflation.domain().bounds();
+        let corner = Point::new(f64::from(bounds.x), f64::from(bounds.y));
+        let side = f64::from(bounds.width.max(bounds.height));
+        let margin = Point::new(
+            side - f64::from(bounds.width),
+            side - f64::from(bounds.height),
+        );
+        let walk = silhouette(&volume.mask).into_iter();
+        let in_square =
+            |(t, place): (f64, Point)| (t, (place - corner + 0.5 + margin / 2.0) / side);
+        Ok(Self {
+            silhouette: walk.map(in_square).collect(),
+            volume,
+            inflation,
+        })
     }
 
     /// The base mesh for the k of `settings`, as large as they say.
@@ -450,7 +468,9 @@ impl Inflated {
         settings: &CrownSettings,
         cancel: &Cancel,
     ) -> Result<CrownShape, CrownError> {
-        let Self { volume, inflation } = self;
+        let Self {
+            volume, inflation, ..
+        } = self;
         let center = crown_center(&volume.mask).ok_or(InflationError::Empty)?;
         let frame = CrownFrame::new(&volume.mask, settings.height_m, settings.base_m());
         let bounds = inflation.domain().bounds();

@@ -13,9 +13,10 @@ use super::crown::{
     ColoredSurface, CrownError, CrownSettings, CrownShape, Inflated, base_radius, check, colored,
     shape_of_regions,
 };
-use super::request::{CrownRequest, Regions, is_crown};
+use super::request::{CrownRequest, Regions, Thinning};
 use crate::base::{Cancel, Progress, Seed};
 use crate::crown::{InflationError, ReliefSettings, height_cubemap, radius_with_relief};
+use crate::geometry::Point;
 use crate::paint::TiledMask;
 use crate::raster::{Cubemap, Image, Mask, Straight};
 use crate::scene::Crown;
@@ -57,6 +58,11 @@ pub struct LiveResult {
     pub crown: Arc<Crown>,
     /// Another number when the colours may be others.
     pub color_version: u64,
+    /// Places along the silhouette, as [`crate::crown::silhouette`] has them, in the square around
+    /// the crown: 0 … 1 from its left and top. None of several regions.
+    pub silhouette: Arc<[(f64, Point)]>,
+    /// The labels of the sub-crowns there are.
+    pub sub_crowns: Vec<u8>,
 }
 
 /// Longer side of a thinned crown, pixels, and texels of its cubemaps.
@@ -147,6 +153,9 @@ struct Shapes {
     shape: Slot<ShapeKey, (CrownShape, Cubemap<f32>)>,
 }
 
+/// A shape and its radius.
+type MadeShape = Made<ShapeKey, (CrownShape, Cubemap<f32>)>;
+
 /// What foliage depends on.
 #[derive(Debug, Clone, PartialEq)]
 struct FoliageKey {
@@ -201,6 +210,7 @@ impl LiveCrown {
             &request.settings,
         )?;
         let shape = shapes.shape(&source, &request, progress, cancel)?;
+        let silhouette = shapes.silhouette(&source);
         let (color, color_version) = match quality {
             Quality::Full => {
                 self.foliage(input, &source.value, &shape, &request, progress, cancel)?
@@ -227,6 +237,8 @@ impl LiveCrown {
         Ok(LiveResult {
             crown: Arc::new(crown),
             color_version,
+            silhouette,
+            sub_crowns: source.value.regions.sub_crowns(),
         })
     }
 
@@ -253,7 +265,7 @@ impl LiveCrown {
         &mut self,
         input: &LiveInput,
         source: &Source,
-        shape: &Made<ShapeKey, (CrownShape, Cubemap<f32>)>,
+        shape: &MadeShape,
         request: &CrownRequest,
         progress: Progress<'_>,
         cancel: &Cancel,
@@ -287,7 +299,7 @@ impl LiveCrown {
     fn color_at_hand(
         &mut self,
         source: &Made<LiveInput, Source>,
-        shape: &Made<ShapeKey, (CrownShape, Cubemap<f32>)>,
+        shape: &MadeShape,
         cancel: &Cancel,
     ) -> Result<(Cubemap<Straight>, u64), CrownError> {
         let foliage = self.foliage.0.as_ref();
@@ -313,14 +325,15 @@ impl Shapes {
         quality: Quality,
     ) -> Result<Arc<Made<LiveInput, Source>>, CrownError> {
         self.source.get(input.clone(), |input| {
-            let step = match quality {
-                Quality::Coarse => thinning(&input.labels),
-                Quality::Fine | Quality::Full => 1,
+            let labels = &input.labels;
+            let (thinning, is_thinned) = match quality {
+                Quality::Coarse => (Thinning::to(labels, COARSE_PX), true),
+                Quality::Fine | Quality::Full => (Thinning::none(labels), false),
             };
-            let regions = Regions::new(&input.labels, step).ok_or(InflationError::Empty)?;
-            let photo = match step {
-                1 => Arc::clone(&input.photo),
-                step => Arc::new(thinned(&input.photo, step)),
+            let regions = Regions::new(labels, thinning).ok_or(InflationError::Empty)?;
+            let photo = match is_thinned {
+                true => Arc::new(thinning.photo(&input.photo)),
+                false => Arc::clone(&input.photo),
             };
             Ok(Source { photo, regions })
         })
@@ -332,7 +345,7 @@ impl Shapes {
         request: &CrownRequest,
         progress: Progress<'_>,
         cancel: &Cancel,
-    ) -> Result<Arc<Made<ShapeKey, (CrownShape, Cubemap<f32>)>>, CrownError> {
+    ) -> Result<Arc<MadeShape>, CrownError> {
         let settings = &request.settings;
         let regions = &source.value.regions;
         let key = ShapeKey {
@@ -364,6 +377,13 @@ impl Shapes {
         })
     }
 
+    /// That of the mask that was inflated last, if it is this one.
+    fn silhouette(&self, source: &Made<LiveInput, Source>) -> Arc<[(f64, Point)]> {
+        let made = self.inflated.0.as_ref();
+        let made = made.filter(|made| made.key.0 == source.version);
+        made.map_or(Arc::default(), |made| Arc::clone(&made.value.silhouette))
+    }
+
     fn adopt(&mut self, copy: Self) {
         self.source.adopt(copy.source);
         self.inflated.adopt(copy.inflated);
@@ -391,22 +411,6 @@ fn without_relief(settings: &CrownSettings) -> CrownSettings {
         relief: ReliefSettings::default(),
         ..settings.clone()
     }
-}
-
-/// How many pixels of a picture become one of a thinned one.
-fn thinning(labels: &TiledMask) -> u32 {
-    let bounds = labels.bounds(is_crown);
-    let longest = bounds.map_or(1, |bounds| bounds.width.max(bounds.height));
-    (longest / COARSE_PX).max(1)
-}
-
-/// Every `step`th pixel, as [`Regions::new`] takes labels.
-fn thinned(photo: &Image<Straight>, step: u32) -> Image<Straight> {
-    let side = |length: u32| (length / step).max(1);
-    let at = |i: u32, length: u32| (i * step + step / 2).min(length - 1);
-    let (width, height) = (side(photo.width()), side(photo.height()));
-    let pixel = |i: u32| photo.at(at(i % width, photo.width()), at(i / width, photo.height()));
-    Image::from_pixels(width, height, (0..width * height).map(pixel).collect())
 }
 
 /// The photograph seen straight through the crown: on the front as it was taken, mirrored behind.

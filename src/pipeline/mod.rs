@@ -24,5 +24,5 @@ pub use gallery::{
 };
 pub use live::{LiveCrown, LiveInput, LiveResult, Quality};
 pub use picture_shape::{PictureShape, picture_shape};
-pub use request::CrownRequest;
+pub use request::{CrownRequest, is_crown};
 pub use tree_maps::{DEPTH_SHARE, TreeMaps, tree_maps};

@@ -8,7 +8,7 @@ use crate::base::Seed;
 use crate::crown::{Profile, SubCrown, Tangent};
 use crate::document;
 use crate::paint::{CROWN, TRUNK, TiledMask};
-use crate::raster::{Image, Mask};
+use crate::raster::{Image, Mask, Rect, Straight, opaque_bounds};
 use std::collections::BTreeMap;
 
 /// k of a region for which nobody has chosen one: a disc becomes as deep as wide.
@@ -85,18 +85,92 @@ pub(super) struct Regions {
     width_px: f64,
 }
 
-/// Whether pixels with this label are foliage.
-pub(super) fn is_crown(label: u8) -> bool {
+/// Whether pixels with this label are foliage: of the crown or of a sub-crown.
+pub fn is_crown(label: u8) -> bool {
     label == CROWN || label > TRUNK
 }
 
-impl Regions {
-    /// Of every `step`th pixel of `labels`; `None` when no foliage is labelled.
-    pub(super) fn new(labels: &TiledMask, step: u32) -> Option<Self> {
-        let image = match step {
-            0 | 1 => labels.image(),
-            step => thinned(labels, step),
+/// Which pixels of a picture are looked at: every `step`th of a part of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Thinning {
+    part: Rect,
+    step: u32,
+}
+
+impl Thinning {
+    /// All pixels of `labels`.
+    pub(super) fn none(labels: &TiledMask) -> Self {
+        Self {
+            part: labels.rect(),
+            step: 1,
+        }
+    }
+
+    /// The pixels around the crown in `labels`, so many that its longer side has `longest` or a few
+    /// more, if it has as many.
+    pub(super) fn to(labels: &TiledMask, longest: u32) -> Self {
+        let Some(bounds) = labels.bounds(is_crown) else {
+            return Self::none(labels);
         };
+        let step = (bounds.width.max(bounds.height) / longest).max(1);
+        let (left, top) = (
+            bounds.x.saturating_sub(2 * step),
+            bounds.y.saturating_sub(2 * step),
+        );
+        let right = (bounds.x + bounds.width + 2 * step).min(labels.width());
+        let bottom = (bounds.y + bounds.height + 2 * step).min(labels.height());
+        let part = Rect {
+            x: left,
+            y: top,
+            width: right - left,
+            height: bottom - top,
+        };
+        Self { part, step }
+    }
+
+    /// Width and height of what is looked at, pixels.
+    fn size(&self) -> (u32, u32) {
+        let side = |length: u32| (length / self.step).max(1);
+        (side(self.part.width), side(self.part.height))
+    }
+
+    /// The column or row of the `i`th that is looked at.
+    fn at(&self, i: u32, first: u32, length: u32) -> u32 {
+        first + (i * self.step + self.step / 2).min(length - 1)
+    }
+
+    fn labels(&self, labels: &TiledMask) -> Image<u8> {
+        let part = self.part;
+        if *self == Self::none(labels) {
+            return labels.image();
+        }
+        let (width, height) = self.size();
+        let mut image = Image::filled(width, height, 0);
+        for y in 0..height {
+            let from = i64::from(self.at(y, part.y, part.height));
+            let row = labels.window(i64::from(part.x), from, part.width, 1, 0);
+            for (x, pixel) in (0..width).zip(image.row_mut(y)) {
+                *pixel = row.pixels()[self.at(x, 0, part.width) as usize];
+            }
+        }
+        image
+    }
+
+    /// The same pixels of the photograph.
+    pub(super) fn photo(&self, photo: &Image<Straight>) -> Image<Straight> {
+        let (part, (width, height)) = (self.part, self.size());
+        let pixel = |i: u32| {
+            let x = self.at(i % width, part.x, part.width);
+            photo.at(x, self.at(i / width, part.y, part.height))
+        };
+        Image::from_pixels(width, height, (0..width * height).map(pixel).collect())
+    }
+}
+
+impl Regions {
+    /// Of those pixels of `labels`; `None` when no foliage is labelled.
+    pub(super) fn new(labels: &TiledMask, thinning: Thinning) -> Option<Self> {
+        let image = thinning.labels(labels);
         let mut is_used = [false; 256];
         for &label in image.pixels() {
             is_used[usize::from(label)] = true;
@@ -109,7 +183,7 @@ impl Regions {
             [(_, only)] => only.clone(),
             _ => image.map(|&label| is_crown(label)),
         };
-        let bounds = crate::raster::opaque_bounds(&union)?;
+        let bounds = opaque_bounds(&union)?;
         Some(Self {
             masks,
             union,
@@ -117,23 +191,14 @@ impl Regions {
         })
     }
 
+    /// The labels above those of crown and trunk.
+    pub(super) fn sub_crowns(&self) -> Vec<u8> {
+        let labels = self.masks.iter().map(|(label, _)| *label);
+        labels.filter(|&label| label > TRUNK).collect()
+    }
+
     /// Whether there are sub-crowns.
     pub(super) fn is_parted(&self) -> bool {
         self.masks.len() > 1
     }
-}
-
-/// Every `step`th pixel of `labels`, from the middle of the first `step` on.
-fn thinned(labels: &TiledMask, step: u32) -> Image<u8> {
-    let side = |length: u32| (length / step).max(1);
-    let (width, height) = (side(labels.width()), side(labels.height()));
-    let at = |i: u32, length: u32| (i * step + step / 2).min(length - 1);
-    let mut image = Image::filled(width, height, 0);
-    for y in 0..height {
-        let row = labels.window(0, i64::from(at(y, labels.height())), labels.width(), 1, 0);
-        for (x, pixel) in (0..width).zip(image.row_mut(y)) {
-            *pixel = row.pixels()[at(x, labels.width()) as usize];
-        }
-    }
-    image
 }

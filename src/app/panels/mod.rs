@@ -4,6 +4,7 @@
 mod canvas;
 mod crown;
 mod exemplars;
+mod field;
 mod gallery;
 mod gallery_large;
 mod gallery_tile;
@@ -11,6 +12,7 @@ mod icon;
 mod jobs;
 mod mix;
 mod pictures;
+mod profile;
 pub(super) mod screen;
 mod textures;
 mod variation;
@@ -41,7 +43,7 @@ impl Panels {
             pictures: pictures::Pictures::default(),
             canvas: canvas::Canvas::default(),
             view: view::View::new(creation),
-            crown: crown::Crown,
+            crown: crown::Crown::default(),
             exemplars: exemplars::Exemplars::default(),
             gallery: gallery::Gallery::default(),
             mix: mix::Mix::default(),

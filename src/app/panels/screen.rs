@@ -30,6 +30,8 @@ struct Card {
     viewport: Viewport,
     /// What is shown, by its number.
     texture: Option<(u64, TextureId)>,
+    /// What was drawn last.
+    drawn: Option<PictureRequest>,
 }
 
 /// All that is to be seen.
@@ -41,6 +43,21 @@ pub(super) struct Look<'a> {
     pub(super) size: (u32, u32),
 }
 
+impl Look<'_> {
+    /// All that the picture depends on.
+    fn request(&self, studio: &Studio, settings: RenderSettings) -> PictureRequest {
+        PictureRequest {
+            serial: self.shown.serial,
+            quality: self.shown.quality,
+            has_surface: self.shown.surface.is_some(),
+            camera: self.camera,
+            light: self.light,
+            backdrop: studio.live.backdrop,
+            settings,
+        }
+    }
+}
+
 impl Screen {
     pub(super) fn new(state: Option<&RenderState>) -> Self {
         let card = state.map(|state| {
@@ -50,6 +67,7 @@ impl Screen {
                 state: state.clone(),
                 viewport,
                 texture: None,
+                drawn: None,
             })
         });
         let (card, trouble) = match card {
@@ -105,14 +123,7 @@ impl Screen {
             fineness: 1,
             ..settings(studio.live.drawn, look.size)
         };
-        let request = PictureRequest {
-            serial: look.shown.serial,
-            quality: look.shown.quality,
-            camera: look.camera,
-            light: look.light,
-            backdrop: studio.live.backdrop,
-            settings,
-        };
+        let request = look.request(studio, settings);
         if studio.live.picture_wanted.as_ref() != Some(&request) {
             actions.push(Action::Live(LiveAction::Picture(Box::new(request), leaves)));
         }
@@ -136,6 +147,16 @@ impl Card {
         look: &Look<'_>,
         leaves: &LeafSet,
     ) -> Result<(TextureId, bool), RenderError> {
+        let wanted = look.request(studio, settings(studio.live.drawn, look.size));
+        if let Some((_, id)) = self.texture
+            && studio.live.is_growing()
+            && self.viewport.gpu().is_software()
+            && self.drawn.as_ref() == Some(&wanted)
+        {
+            // The processor has better things to do than to refine what is about to change.
+            return Ok((id, true));
+        }
+        self.drawn = Some(wanted);
         let meshes = meshes(look.shown, studio.live.drawn);
         let view = SceneView {
             crowns: std::slice::from_ref(&look.shown.prepared),
@@ -170,7 +191,11 @@ impl Card {
 
 /// The triangles of the picture.
 pub(in super::super) fn meshes(shown: &ShownCrown, drawn: Drawn) -> Vec<PreparedMesh> {
-    let mut meshes = vec![shown.trunk.clone()];
+    let mut meshes = Vec::new();
+    if drawn != Drawn::Wireframe {
+        // Its triangles are so small that the stem would be black.
+        meshes.push(shown.trunk.clone());
+    }
     if matches!(drawn, Drawn::Mesh | Drawn::Wireframe) {
         meshes.extend(shown.surface.iter().map(|(_, mesh)| mesh.clone()));
     }
@@ -191,5 +216,15 @@ pub(in super::super) fn settings(drawn: Drawn, size: (u32, u32)) -> RenderSettin
             _ => View::Picture,
         },
         ..RenderSettings::default()
+    }
+}
+
+/// The light of the project.
+pub(in super::super) fn light(studio: &Studio) -> Light {
+    let (sun_yaw_deg, sun_pitch_deg) = studio.document().view().sun_deg;
+    Light {
+        sun_yaw_deg,
+        sun_pitch_deg,
+        ..Light::DAY
     }
 }

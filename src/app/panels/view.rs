@@ -6,9 +6,9 @@ use super::super::preferences::Navigation;
 use super::super::studio::{Effect, Studio};
 use super::super::theme::{GAP, TIGHT, tokens};
 use super::empty;
-use super::screen::{Look, Screen};
+use super::screen::{Look, Screen, light};
 use crate::document::PhotoId;
-use crate::scene::{Backdrop, Camera, Light};
+use crate::scene::{Backdrop, Camera};
 use egui::{Color32, PointerButton, Pos2, Rect, Response, Sense, Ui, Vec2, pos2, vec2};
 use glam::DVec3;
 
@@ -94,6 +94,9 @@ impl View {
                 (rect.height() * scale).round().max(1.0) as u32,
             ),
         };
+        if studio.live.seen != Some((camera, look.size)) {
+            actions.push(Action::Live(LiveAction::Seen(camera, look.size)));
+        }
         let texture = self.screen.texture(ui.ctx(), studio, &look, actions);
         let painter = ui.painter().with_clip_rect(rect);
         painter.rect_filled(rect, 0.0, tokens(ui).sunken);
@@ -290,16 +293,6 @@ impl View {
     }
 }
 
-/// The light of the project.
-pub(in super::super) fn light(studio: &Studio) -> Light {
-    let (sun_yaw_deg, sun_pitch_deg) = studio.document().view().sun_deg;
-    Light {
-        sun_yaw_deg,
-        sun_pitch_deg,
-        ..Light::DAY
-    }
-}
-
 fn draw_ball(ui: &Ui, center: Pos2, seen: Vec2, is_in_front: bool, is_hot: bool) {
     let tokens = tokens(ui);
     let painter = ui.painter();
@@ -369,6 +362,10 @@ fn toolbar(ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
             {
                 actions.push(Action::Do(command));
             }
+        }
+        let save = super::super::Command::SavePicture;
+        if ui.button("Save…").on_hover_text(save.row().help).clicked() {
+            actions.push(Action::Do(save));
         }
         ui.menu_button("Look", |ui| look_menu(ui, studio, actions))
             .response

@@ -1,6 +1,7 @@
 //! `boscage bench`: how long the main pieces of work take here, beside what others need.
 
 mod crown;
+mod live;
 mod render;
 mod row;
 mod synth;
@@ -46,7 +47,11 @@ impl Topic {
         let cancel = session.cancel;
         match self {
             Self::Variation => variation::rows(cancel),
-            Self::Crown => crown::rows(cancel),
+            Self::Crown => {
+                let mut rows = crown::rows(cancel)?;
+                rows.extend(live::rows(cancel)?);
+                Ok(rows)
+            }
             Self::Synth => synth::rows(cancel),
             Self::Render => render::rows(session),
         }

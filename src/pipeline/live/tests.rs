@@ -1,7 +1,7 @@
 use super::*;
 use crate::document;
 use crate::paint::CROWN;
-use crate::pipeline::{crown, crown_of_regions};
+use crate::pipeline::{crown, crown_of_regions, is_crown};
 
 fn disc(width: u32, height: u32, centre: (f64, f64), radius: f64) -> Mask {
     let inside = |i: u32| {
@@ -167,7 +167,7 @@ fn sub_crowns_stand_at_their_depths() {
     });
     let mut kept = LiveCrown::default();
     let made = live(&mut kept, &input, &request, Quality::Full).crown;
-    let regions = Regions::new(&input.labels, 1).unwrap();
+    let regions = Regions::new(&input.labels, Thinning::none(&input.labels)).unwrap();
     let sub_crowns = request.sub_crowns(&regions);
     assert!((sub_crowns[1].depth_px - 0.2 * 113.0).abs() < 0.5);
     let expected = crown_of_regions(

@@ -140,7 +140,7 @@ pub fn impostor(
     let skins = skins(model, cancel)?;
     let (center_m, depth_m, half_m) = framing(model, settings);
     let scale = f64::from(FINENESS * settings.frame_px) / (2.0 * half_m);
-    let frames: Vec<Frame> = (0..settings.frames * settings.frames)
+    let frames: Vec<Texels> = (0..settings.frames * settings.frames)
         .into_par_iter()
         .map(|index| {
             let (i, j) = (index % settings.frames, index / settings.frames);
@@ -148,10 +148,11 @@ pub fn impostor(
             let view = View::new(toward, center_m, scale);
             let frame = Frame::of(model, &skins, &view, settings.frame_px, cancel)?;
             frame_done();
-            Ok(frame)
+            // Samples are large: they go before the next frame is drawn.
+            Ok(frame.texels(settings.frame_px, depth_m * scale))
         })
         .collect::<Result<_, Cancelled>>()?;
-    let (albedo, normal_depth) = assembled(&frames, settings, depth_m * scale);
+    let (albedo, normal_depth) = assembled(&frames, settings);
     Ok(Impostor {
         albedo,
         normal_depth,
@@ -181,7 +182,8 @@ pub fn portrait(
     let view = View::new(DVec3::Z, center_m, scale);
     let skins = skins(model, cancel)?;
     let frame = Frame::of(model, &skins, &view, side_px, cancel)?;
-    Ok(assembled(&[frame], &settings, depth_m * scale).0)
+    let texels = frame.texels(side_px, depth_m * scale);
+    Ok(assembled(&[texels], &settings).0)
 }
 
 /// The materials of `model` with their smaller copies.
@@ -262,6 +264,9 @@ struct Frame {
     size: u32,
     samples: Vec<Sample>,
 }
+
+/// Colour with alpha, and normal with depth, of each texel of a frame; `None` where nothing shows.
+type Texels = Vec<Option<(Straight, Straight)>>;
 
 /// A corner on the screen: place in samples, nearness.
 type Corner = [f64; 3];
@@ -386,12 +391,8 @@ fn nearest(picture: &Image<Straight>, [u, v]: [f64; 2]) -> Straight {
     picture.at(texel(u, picture.width()), texel(v, picture.height()))
 }
 
-/// The atlases of albedo and of normal and depth; `depth` is in sides of a sample.
-fn assembled(
-    frames: &[Frame],
-    settings: &ImpostorSettings,
-    depth: f64,
-) -> (Image<Straight>, Image<Straight>) {
+/// The atlases of albedo and of normal and depth.
+fn assembled(frames: &[Texels], settings: &ImpostorSettings) -> (Image<Straight>, Image<Straight>) {
     let side = settings.frames * settings.frame_px;
     let mut albedo = Image::filled(side, side, Straight([0; 4]));
     let mut normals = Image::filled(side, side, Straight([128, 128, 128, 0]));
@@ -400,7 +401,7 @@ fn assembled(
         let top = index / settings.frames * settings.frame_px;
         for y in 0..settings.frame_px {
             for x in 0..settings.frame_px {
-                if let Some((color, normal)) = frame.texel(x, y, depth) {
+                if let Some((color, normal)) = frame[(y * settings.frame_px + x) as usize] {
                     albedo.set(left + x, top + y, color);
                     normals.set(left + x, top + y, normal);
                 }
@@ -412,7 +413,14 @@ fn assembled(
 }
 
 impl Frame {
-    /// Colour with alpha, and normal with depth, of a texel; `None` where nothing shows.
+    /// All texels, row by row; the frame has `side_px` along a side.
+    fn texels(&self, side_px: u32, depth: f64) -> Texels {
+        let texel = |i: u32| self.texel(i % side_px, i / side_px, depth);
+        (0..side_px * side_px).map(texel).collect()
+    }
+
+    /// Colour with alpha, and normal with depth, of a texel; `None` where nothing shows. `depth` is
+    /// in sides of a sample.
     fn texel(&self, x: u32, y: u32, depth: f64) -> Option<(Straight, Straight)> {
         let (mut count, mut color, mut normal, mut near) = (0.0f64, [0.0; 3], DVec3::ZERO, 0.0);
         for row in y * FINENESS..(y + 1) * FINENESS {

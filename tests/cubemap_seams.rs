@@ -109,7 +109,7 @@ fn the_photograph_stays_on_the_front_and_only_there() {
         let (color, own) = (front.color.face(face), front.from_photo.face(face));
         for (x, y) in (0..127).flat_map(|y| (0..127).map(move |x| (x, y))) {
             for (u, v) in [(x + 1, y), (x, y + 1)] {
-                let mut add = |sum: &mut [f64; 2], step| *sum = [sum[0] + step, sum[1] + 1.0];
+                let add = |sum: &mut [f64; 2], step| *sum = [sum[0] + step, sum[1] + 1.0];
                 let here = step(color.at(x, y), color.at(u, v));
                 match (own.at(x, y), own.at(u, v)) {
                     (true, false) => {

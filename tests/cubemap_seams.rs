@@ -97,7 +97,7 @@ fn the_photograph_stays_on_the_front_and_only_there() {
     assert!(share > 0.75);
     assert_eq!(own(CubeFace::NegZ), 0);
 
-    // The foliage grows out of it: where the photograph ends, texels differ little more than elsewhere,
+    // The foliage grows out of it: where the photograph ends, texels differ not much more than elsewhere,
     // and clearly less than from foliage that knows nothing of it.
     let plain = made(&photo, &mask, 128, false);
     let step = |a: Straight, b: Straight| -> f64 {
@@ -131,7 +131,7 @@ fn the_photograph_stays_on_the_front_and_only_there() {
     eprintln!(
         "steps where the photograph ends {grown:.1}, pasted {pasted:.1}, elsewhere {within:.1}"
     );
-    assert!(grown < 1.3 * within && grown < 0.85 * pasted);
+    assert!(grown < 1.5 * within && grown < 0.75 * pasted);
 }
 
 #[test]

@@ -109,7 +109,7 @@ fn the_photograph_stays_on_the_front_and_only_there() {
     assert!(share > 0.75);
     assert_eq!(own(CubeFace::NegZ), 0);
 
-    // The foliage grows out of it: where the photograph ends, texels differ little more than elsewhere,
+    // The foliage grows out of it: where the photograph ends, texels differ not much more than elsewhere,
     // and clearly less than from foliage that knows nothing of it.
     let plain = made(&photo, &mask, 128, false);
     let step = |a: Straight, b: Straight| -> f64 {
@@ -121,7 +121,7 @@ fn the_photograph_stays_on_the_front_and_only_there() {
         let (color, own) = (front.color.face(face), front.from_photo.face(face));
         for (x, y) in (0..127).flat_map(|y| (0..127).map(move |x| (x, y))) {
             for (u, v) in [(x + 1, y), (x, y + 1)] {
-                let mut add = |sum: &mut [f64; 2], step| *sum = [sum[0] + step, sum[1] + 1.0];
+                let add = |sum: &mut [f64; 2], step| *sum = [sum[0] + step, sum[1] + 1.0];
                 let here = step(color.at(x, y), color.at(u, v));
                 match (own.at(x, y), own.at(u, v)) {
                     (true, false) => {
@@ -143,7 +143,7 @@ fn the_photograph_stays_on_the_front_and_only_there() {
     eprintln!(
         "steps where the photograph ends {grown:.1}, pasted {pasted:.1}, elsewhere {within:.1}"
     );
-    assert!(grown < 1.3 * within && grown < 0.85 * pasted);
+    assert!(grown < 1.5 * within && grown < 0.75 * pasted);
 }
 
 #[test]

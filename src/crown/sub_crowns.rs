@@ -6,8 +6,8 @@ use super::center::crown_center;
 use super::inflation::InflationError;
 use super::tangent::Tangent;
 use crate::base::{Cancel, Progress};
-use crate::geometry::Mesh;
-use crate::raster::{Image, Mask, opaque_bounds};
+use crate::geometry::{Mesh, Point};
+use crate::raster::{Image, Mask, labelled_components, opaque_bounds};
 use glam::DVec3;
 
 /// A region of a crown.
@@ -41,7 +41,8 @@ pub fn labelled_regions(labels: &Image<u8>) -> Vec<(u8, Mask)> {
 }
 
 /// The merged regions as a watertight star-shaped mesh in the mask's frame, and its centre: that of
-/// all regions' pixels, at their mean depth.
+/// all regions' pixels, at their mean depth. Where regions lie apart it is in the gap between them:
+/// seen from within one, another would be a cone with its walls along the rays.
 ///
 /// # Errors
 /// [`BaseMeshError`]; [`InflationError::Empty`] when there is no region or one has no pixel.
@@ -72,12 +73,28 @@ pub fn sub_crowns_merged(
         depth_sum += region.depth_px * region.mask.count() as f64;
         count += region.mask.count();
     }
-    let (Some(center), Some(bounds)) = (crown_center(&union), opaque_bounds(&union)) else {
+    let (Some(center), Some(bounds)) = (center_of_all(&union), opaque_bounds(&union)) else {
         return Err(InflationError::Empty.into());
     };
     let center = center.extend(depth_sum / count as f64);
     let mesh = star_around(&meshes, center, star_cells(bounds), cancel)?;
     Ok((mesh, center))
+}
+
+/// The centre of regions whose pixels are `union`: [`crown_center`] of those that touch, the centroid of
+/// others.
+fn center_of_all(union: &Mask) -> Option<Point> {
+    if *labelled_components(union).pixels().iter().max()? <= 1 {
+        return crown_center(union);
+    }
+    let (mut sum, mut count) = (Point::ZERO, 0.0);
+    for y in 0..union.height() {
+        for x in (0..union.width()).filter(|&x| union.at(x, y)) {
+            sum += Point::new(f64::from(x), f64::from(y));
+            count += 1.0;
+        }
+    }
+    Some(sum / count)
 }
 
 #[cfg(test)]
@@ -114,6 +131,26 @@ mod tests {
         // In front the deep region: about 12 and its shift; behind, the flat one.
         assert!((high.z - 18.0).abs() < 2.0, "{high}");
         assert!((low.z + 12.0).abs() < 2.0, "{low}");
+        // Apart, their centre is between them, and the gap is bridged at their own depth.
+        let apart = [region(12, 2.0, 0.0), region(36, 2.0, 0.0)].map(|mut region| {
+            for y in 0..48 {
+                region.mask.row_mut(y)[22..26].fill(false);
+            }
+            region
+        });
+        let (mesh, center) = sub_crowns_merged(
+            &apart,
+            Method::Bilaplacian,
+            Progress::silent(),
+            &Cancel::new(),
+        )
+        .unwrap();
+        assert!((center.x - 23.5).abs() < 0.6, "{center}");
+        let (low, high) = mesh.bounds().unwrap();
+        assert!(
+            low.x < 1.5 && high.x > 46.0 && high.z < 13.0,
+            "{low} {high}"
+        );
         assert!(
             sub_crowns_merged(&[], Method::Bilaplacian, Progress::silent(), &Cancel::new())
                 .is_err()

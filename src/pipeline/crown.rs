@@ -20,6 +20,7 @@ use crate::geometry::{Mesh, Point};
 use crate::raster::{Cubemap, Image, Mask, Straight, opaque_bounds};
 use crate::scene::Crown;
 use crate::synth::{CrownSurface, CubemapSettings, Extent, SynthesisError, foliage_cubemap};
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -511,7 +512,8 @@ pub(super) fn shape_of_regions(
     let (pixels, center) = sub_crowns_merged(&scaled, Method::Bilaplacian, progress, cancel)?;
     let bounds = opaque_bounds(&volume.mask).ok_or(InflationError::Empty)?;
     let mut frame = CrownFrame::new(&volume.mask, settings.height_m, settings.base_m());
-    frame.center_m.z = center.z * frame.metres_per_pixel;
+    let in_plane = frame.world_from_mask(bounds, center.truncate());
+    frame.center_m = in_plane + DVec3::Z * center.z * frame.metres_per_pixel;
     Ok(CrownShape {
         base_mesh: into_world(&pixels, bounds, frame.metres_per_pixel, frame.base_m),
         frame,

@@ -8,11 +8,13 @@ use super::super::super::photos::{Photos, Thumbnail};
 use super::super::color_image;
 use super::camera::Camera;
 use crate::base::Digest;
-use crate::raster::{Image, Premultiplied};
+use crate::raster::{Image, Premultiplied, Straight};
 use egui::{
     Color32, ColorImage, Painter, Pos2, Rect, TextureHandle, TextureOptions, Vec2, pos2, vec2,
 };
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::sync::Arc;
 
 /// Side of a tile, texels: small enough for a frame's work, large enough for few draws.
 pub(super) const SIDE: u32 = 256;
@@ -109,31 +111,26 @@ impl PhotoTiles {
         }
         let (mut new, mut is_complete) = (0, true);
         for key in visible_tiles(camera, size, level) {
-            if !self.tiles.contains_key(&key) {
-                if new == MOST_NEW {
-                    is_complete = false;
-                    continue;
-                }
-                let image = match (whole, reduced) {
-                    (_, Some(level)) => part_of(level, key),
-                    (Some(whole), None) => {
-                        let rect = part(key, whole.width(), whole.height());
-                        color_image(&whole.cropped(rect.0, rect.1, rect.2, rect.3))
-                    }
-                    (None, None) => {
+            let tile = match self.tiles.entry(key) {
+                Entry::Occupied(tile) => tile.into_mut(),
+                Entry::Vacant(place) => {
+                    let image = if new < MOST_NEW {
+                        texels(whole, reduced, key)
+                    } else {
+                        None
+                    };
+                    let Some(image) = image else {
                         is_complete = false;
                         continue;
-                    }
-                };
-                new += 1;
-                let texture = painter.ctx().load_texture("photo tile", image, SAMPLING);
-                self.tiles.insert(key, Tile { texture, seen: 0 });
-            }
-            if let Some(tile) = self.tiles.get_mut(&key) {
-                tile.seen = self.frame;
-                let place = camera.rect_on_screen(covered(key, tile.texture.size()));
-                painter.image(tile.texture.id(), place, UV, Color32::WHITE);
-            }
+                    };
+                    new += 1;
+                    let texture = painter.ctx().load_texture("photo tile", image, SAMPLING);
+                    place.insert(Tile { texture, seen: 0 })
+                }
+            };
+            tile.seen = self.frame;
+            let place = camera.rect_on_screen(covered(key, tile.texture.size()));
+            painter.image(tile.texture.id(), place, UV, Color32::WHITE);
         }
         if self.tiles.len() > MOST_KEPT {
             let frame = self.frame;
@@ -199,9 +196,19 @@ fn part((_, column, row): Key, width: u32, height: u32) -> (u32, u32, u32, u32) 
     (x, y, SIDE.min(width - x), SIDE.min(height - y))
 }
 
-fn part_of(level: &Image<Premultiplied>, key: Key) -> ColorImage {
-    let (x, y, width, height) = part(key, level.width(), level.height());
-    premultiplied_image(&level.cropped(x, y, width, height))
+/// What is on a tile: of the level, or of the photograph itself where that is level 0.
+fn texels(
+    whole: Option<&Arc<Image<Straight>>>,
+    level: Option<&Image<Premultiplied>>,
+    key: Key,
+) -> Option<ColorImage> {
+    if let Some(level) = level {
+        let (x, y, width, height) = part(key, level.width(), level.height());
+        return Some(premultiplied_image(&level.cropped(x, y, width, height)));
+    }
+    let whole = whole.filter(|_| key.0 == 0)?;
+    let (x, y, width, height) = part(key, whole.width(), whole.height());
+    Some(color_image(&whole.cropped(x, y, width, height)))
 }
 
 /// A picture as egui takes it.

@@ -282,6 +282,7 @@ fn of_sketch(ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
 fn refine(ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
     let tools = &studio.tools;
     ui.horizontal(|ui| {
+        show_fields(ui);
         let mut amount = tools.amount_px;
         let label = ui.label("Amount");
         let field = DragValue::new(&mut amount)
@@ -303,6 +304,7 @@ fn refine(ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
     }
     ui.separator();
     ui.horizontal(|ui| {
+        show_fields(ui);
         let mut pixels = tools.speck_px;
         let label = ui.label("Up to");
         let speed = (pixels as f64 * 0.02).max(1.0);
@@ -334,6 +336,12 @@ fn refine(ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
     ] {
         item(ui, studio, command, actions);
     }
+}
+
+/// Fields in a menu look like fields, not like its items.
+fn show_fields(ui: &mut Ui) {
+    let fill = tokens(ui).button;
+    ui.visuals_mut().widgets.inactive.weak_bg_fill = fill;
 }
 
 fn item(ui: &mut Ui, studio: &Studio, command: Command, actions: &mut Vec<Action>) {

@@ -39,6 +39,16 @@ struct Tile {
     seen: u64,
 }
 
+/// What could be drawn of what can be seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Drawn {
+    All,
+    /// The next frame makes more.
+    MoreToMake,
+    /// A job makes what is missing, and wakes the window then.
+    Waiting,
+}
+
 /// The textures of a photograph.
 #[derive(Default)]
 pub(super) struct PhotoTiles {
@@ -69,13 +79,16 @@ impl PhotoTiles {
         self.frame += 1;
         let place = camera.rect_on_screen(Rect::from_min_size(Pos2::ZERO, size));
         let painter = painter.with_clip_rect(painter.clip_rect().intersect(place));
-        if self.draw_tiles(&painter, camera, photos, digest, size) {
+        let before = self.draw_tiles(&painter, camera, photos, digest, size);
+        if before == Drawn::All {
             return;
         }
         self.draw_thumbnail(&painter, photos, digest, place);
         // Once more over it: those that are there already.
-        self.draw_tiles(&painter, camera, photos, digest, size);
-        painter.ctx().request_repaint();
+        let now = self.draw_tiles(&painter, camera, photos, digest, size);
+        if before == Drawn::MoreToMake || now == Drawn::MoreToMake {
+            painter.ctx().request_repaint();
+        }
     }
 
     /// A pattern that shows through what is clear in the picture.
@@ -94,7 +107,7 @@ impl PhotoTiles {
         }
     }
 
-    /// Draws the tiles that can be seen; whether all are there.
+    /// Draws the tiles that can be seen.
     fn draw_tiles(
         &mut self,
         painter: &Painter,
@@ -102,25 +115,24 @@ impl PhotoTiles {
         photos: &Photos,
         digest: Digest,
         size: Vec2,
-    ) -> bool {
+    ) -> Drawn {
         let (whole, pyramid) = (photos.whole(digest), photos.pyramid(digest));
         let level = camera.level(pyramid.map_or(0, |pyramid| pyramid.levels()));
         let reduced = pyramid.and_then(|pyramid| pyramid.level(level));
         if pyramid.is_none() && camera.level(1) > 0 {
-            return false;
+            return Drawn::Waiting;
         }
-        let (mut new, mut is_complete) = (0, true);
+        let (mut new, mut drawn) = (0, Drawn::All);
         for key in visible_tiles(camera, size, level) {
             let tile = match self.tiles.entry(key) {
                 Entry::Occupied(tile) => tile.into_mut(),
                 Entry::Vacant(place) => {
-                    let image = if new < MOST_NEW {
-                        texels(whole, reduced, key)
-                    } else {
-                        None
-                    };
-                    let Some(image) = image else {
-                        is_complete = false;
+                    if new == MOST_NEW {
+                        drawn = Drawn::MoreToMake;
+                        continue;
+                    }
+                    let Some(image) = texels(whole, reduced, key) else {
+                        drawn = Drawn::Waiting;
                         continue;
                     };
                     new += 1;
@@ -136,7 +148,7 @@ impl PhotoTiles {
             let frame = self.frame;
             self.tiles.retain(|_, tile| tile.seen == frame);
         }
-        is_complete
+        drawn
     }
 
     fn draw_thumbnail(&mut self, painter: &Painter, photos: &Photos, digest: Digest, place: Rect) {

@@ -229,15 +229,20 @@ impl Studio {
             self.take_over(painting);
             return;
         }
-        match &mut self.mask_work.sketch {
-            Some(Sketch::Line(line)) if line.kind == LineKind::Free => self.close_sketch(),
-            Some(Sketch::Smart(smart)) => {
-                if smart.lift() {
-                    self.think_about_strokes();
-                }
-            }
-            _ => {}
+        let is_stroke = match &mut self.mask_work.sketch {
+            Some(Sketch::Smart(smart)) => smart.lift(),
+            _ => false,
+        };
+        if is_stroke {
+            self.think_about_strokes();
+        } else if self.is_lasso() {
+            self.close_sketch();
         }
+    }
+
+    fn is_lasso(&self) -> bool {
+        let sketch = &self.mask_work.sketch;
+        matches!(sketch, Some(Sketch::Line(line)) if line.kind == LineKind::Free)
     }
 
     /// What was painted becomes the project's.

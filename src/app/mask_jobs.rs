@@ -53,10 +53,9 @@ pub(super) enum MaskResult {
     Shape(Shaped),
 }
 
-/// The shape of a tree in a photograph, and what it was found for.
+/// The shape of the tree in a photograph.
 pub(super) struct Shaped {
     pub(super) photo: Digest,
-    pub(super) mask: Arc<TiledMask>,
     /// Or why there is none.
     pub(super) shape: Result<Arc<PictureShape>, String>,
 }
@@ -344,7 +343,6 @@ impl Studio {
                 context.check()?;
                 Ok(MaskResult::Shape(Shaped {
                     photo: digest,
-                    mask,
                     shape: shape.map(Arc::new).map_err(|error| error.to_string()),
                 }))
             },

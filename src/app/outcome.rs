@@ -255,7 +255,7 @@ impl Studio {
             let Some(bytes) = self.document.photo_bytes(id) else {
                 continue;
             };
-            let is_shown = shown == Some(id) && self.photos.whole(photo.digest).is_none();
+            let is_shown = shown == Some(id) && self.photos.ask(photo.digest);
             let has_thumbnail = self.photos.thumbnail(photo.digest).is_some();
             if is_shown || !has_thumbnail {
                 wanted.push((id, photo.clone(), Arc::clone(bytes), is_shown));

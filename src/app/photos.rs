@@ -16,6 +16,8 @@ pub(super) const THUMBNAIL_PX: u32 = 160;
 pub(super) struct Photos {
     whole: Option<(Digest, Arc<Image<Straight>>)>,
     pyramid: Option<(Digest, Arc<Pyramid>)>,
+    /// The one whose pixels were asked for last.
+    asked: Option<Digest>,
     thumbnails: BTreeMap<Digest, Thumbnail>,
 }
 
@@ -40,6 +42,12 @@ impl Photos {
     /// The thumbnail of the photograph with this digest, `None` before it was asked for.
     pub(super) fn thumbnail(&self, digest: Digest) -> Option<&Thumbnail> {
         self.thumbnails.get(&digest)
+    }
+
+    /// Notes that the pixels of the photograph with this digest are needed; whether they must be asked
+    /// for: those of one photograph at a time are kept or on their way.
+    pub(super) fn ask(&mut self, digest: Digest) -> bool {
+        self.asked.replace(digest) != Some(digest)
     }
 
     /// The smaller versions of the photograph with this digest, if they are there.

@@ -107,7 +107,7 @@ impl Canvas {
         let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::drag());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Canvas"));
         ui.painter().rect_filled(rect, 0.0, tokens(ui).sunken);
-        self.camera.panel = rect;
+        self.camera.set_panel(rect);
         self.camera.pixels_per_point = ui.ctx().pixels_per_point();
         let size = vec2(photo.width as f32, photo.height as f32);
         self.look(size);
@@ -126,7 +126,7 @@ impl Canvas {
         }
         match self.wanted.take() {
             Some(Effect::ZoomToFit) => camera.fit(size),
-            Some(Effect::ZoomToPixels) => camera.to_pixels(),
+            Some(Effect::ZoomToPixels) => camera.show_pixels(),
             Some(Effect::ZoomBy(factor)) => camera.zoom_at(camera.panel.center(), factor),
             _ => {}
         }
@@ -171,10 +171,11 @@ impl Canvas {
                     button,
                     pressed: true,
                     modifiers,
-                } if matches!(self.hand, Hand::Free) => {
-                    if is_over && self.camera.panel.contains(pos) {
-                        self.press(studio, pos, button, modifiers, has_space, actions);
-                    }
+                } if is_over
+                    && matches!(self.hand, Hand::Free)
+                    && self.camera.panel.contains(pos) =>
+                {
+                    self.press(studio, pos, button, modifiers, has_space, actions);
                 }
                 Event::PointerButton {
                     button,
@@ -229,7 +230,7 @@ impl Canvas {
             self.hand = Hand::Drawing(button);
             actions.push(Action::Pen(Pen::Down {
                 sample: self.camera.sample(at),
-                erases: modifiers.ctrl || is_outside,
+                erases: modifiers.command || is_outside,
             }));
         }
     }
@@ -326,7 +327,7 @@ impl Canvas {
         let Some(pointer) = response.hover_pos().or(scrubbed) else {
             return;
         };
-        let (space, ctrl) = ui.input(|input| (input.key_down(Key::Space), input.modifiers.ctrl));
+        let (space, ctrl) = ui.input(|input| (input.key_down(Key::Space), input.modifiers.command));
         let tool = studio.tools.tool;
         let icon = match (self.hand, tool) {
             (Hand::Panning(_), _) => CursorIcon::Grabbing,

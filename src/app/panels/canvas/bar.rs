@@ -3,7 +3,7 @@
 use super::super::super::action::Action;
 use super::super::super::commands::{Command, TABLE};
 use super::super::super::mask_action::{MaskAction, MaskCommand};
-use super::super::super::selecting::Sketch;
+use super::super::super::selecting::{LineKind, Sketch};
 use super::super::super::studio::Studio;
 use super::super::super::theme::{GAP, ON_LABEL, TIGHT, label_color, tokens};
 use super::super::super::tools::{Overlay, Tool, ToolOption, label_name};
@@ -31,26 +31,69 @@ pub(super) fn tool_column(ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action
         let icon = |painter: &Painter, rect: Rect, color: Color32| {
             icons::tool(painter, rect, tool, color);
         };
-        if icon_button(ui, command, is_chosen, icon).clicked() {
+        if command_button(ui, command, is_chosen, icon).clicked() {
             actions.push(Action::Do(command));
         }
     }
     ui.add_space(GAP);
     let erases = studio.tools.is_erasing;
-    if icon_button(ui, Command::ToggleEraser, erases, icons::eraser).clicked() {
+    if command_button(ui, Command::ToggleEraser, erases, icons::eraser).clicked() {
         actions.push(Action::Do(Command::ToggleEraser));
     }
+    ui.add_space(GAP);
+    let help = "Grow, shrink, smooth and clean the chosen label.";
+    icon_menu(ui, "Refine", help, icons::refine, |ui| {
+        refine(ui, studio, actions);
+    });
+    let help = "What is drawn over the photograph.";
+    icon_menu(ui, "Show", help, icons::show, |ui| {
+        show(ui, studio, actions);
+    });
 }
 
-fn icon_button(
+/// A menu behind an icon.
+fn icon_menu(
+    ui: &mut Ui,
+    name: &str,
+    help: &str,
+    icon: impl FnOnce(&Painter, Rect, Color32),
+    content: impl FnOnce(&mut Ui),
+) {
+    let response = icon_button(ui, name, false, icon);
+    let response = response.on_hover_ui(|ui| {
+        ui.strong(name);
+        ui.label(help);
+    });
+    egui::Popup::menu(&response)
+        .align(egui::RectAlign::RIGHT_START)
+        .close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside)
+        .show(content);
+}
+
+/// A button of the column that stands for a command.
+fn command_button(
     ui: &mut Ui,
     command: Command,
     is_chosen: bool,
     icon: impl FnOnce(&Painter, Rect, Color32),
 ) -> Response {
-    let (rect, response) = ui.allocate_exact_size(Vec2::splat(BUTTON), Sense::click());
     let row = command.row();
-    response.widget_info(|| WidgetInfo::selected(Role::Button, true, is_chosen, row.label));
+    let response = icon_button(ui, row.label, is_chosen, icon);
+    let keys = ui.ctx().format_shortcut(&row.shortcut);
+    response.on_hover_ui(|ui| {
+        ui.strong(format!("{} ({keys})", row.label));
+        ui.label(row.help);
+    })
+}
+
+fn icon_button(
+    ui: &mut Ui,
+    name: &str,
+    is_chosen: bool,
+    icon: impl FnOnce(&Painter, Rect, Color32),
+) -> Response {
+    let (rect, response) = ui.allocate_exact_size(Vec2::splat(BUTTON), Sense::click());
+    response.widget_info(|| WidgetInfo::selected(Role::Button, true, is_chosen, name));
     let tokens = tokens(ui);
     let (fill, color) = match (is_chosen, response.hovered()) {
         (true, _) => (tokens.chosen, tokens.strong),
@@ -64,11 +107,7 @@ fn icon_button(
             .rect_stroke(rect, 4.0, stroke, egui::StrokeKind::Inside);
     }
     icon(ui.painter(), rect.shrink(5.0), color);
-    let keys = ui.ctx().format_shortcut(&row.shortcut);
-    response.on_hover_ui(|ui| {
-        ui.strong(format!("{} ({keys})", row.label));
-        ui.label(row.help);
-    })
+    response
 }
 
 /// What tools paint, how the one in hand is set, and what can be done with the mask.
@@ -81,13 +120,6 @@ pub(super) fn options(ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
         }
         of_tool(ui, studio, actions);
         of_sketch(ui, studio, actions);
-        ui.separator();
-        ui.menu_button("Refine", |ui| refine(ui, studio, actions))
-            .response
-            .on_hover_text("Grow, shrink, smooth and clean the chosen label.");
-        ui.menu_button("Show", |ui| show(ui, studio, actions))
-            .response
-            .on_hover_text("What is drawn over the photograph.");
     });
 }
 
@@ -128,12 +160,6 @@ fn labels(ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
         }
     }
     ui.spacing_mut().item_spacing.x = GAP;
-    let (name, color) = if studio.tools.is_erasing {
-        ("Eraser".to_owned(), tokens(ui).warning)
-    } else {
-        (label_name(chosen), tokens(ui).text)
-    };
-    ui.colored_label(color, name);
 }
 
 fn of_tool(ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
@@ -231,6 +257,7 @@ fn set(actions: &mut Vec<Action>, option: ToolOption) {
 fn of_sketch(ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
     let (verb, can) = match studio.sketch() {
         Some(Sketch::Smart(smart)) => ("Take", smart.strokes > 0),
+        Some(Sketch::Line(line)) if line.kind == LineKind::Free => return,
         Some(Sketch::Line(line)) => ("Close", line.points.len() > 2),
         Some(Sketch::Wire(wire)) => ("Close", wire.anchors().len() > 1),
         None => {
@@ -255,6 +282,7 @@ fn of_sketch(ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
 fn refine(ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
     let tools = &studio.tools;
     ui.horizontal(|ui| {
+        show_fields(ui);
         let mut amount = tools.amount_px;
         let label = ui.label("Amount");
         let field = DragValue::new(&mut amount)
@@ -276,6 +304,7 @@ fn refine(ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
     }
     ui.separator();
     ui.horizontal(|ui| {
+        show_fields(ui);
         let mut pixels = tools.speck_px;
         let label = ui.label("Up to");
         let speed = (pixels as f64 * 0.02).max(1.0);
@@ -307,6 +336,12 @@ fn refine(ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
     ] {
         item(ui, studio, command, actions);
     }
+}
+
+/// Fields in a menu look like fields, not like its items.
+fn show_fields(ui: &mut Ui) {
+    let fill = tokens(ui).button;
+    ui.visuals_mut().widgets.inactive.weak_bg_fill = fill;
 }
 
 fn item(ui: &mut Ui, studio: &Studio, command: Command, actions: &mut Vec<Action>) {

@@ -81,13 +81,23 @@ impl Camera {
         ((reduction.log2() + 0.01).floor() as u32).min(most)
     }
 
+    /// The panel is here now. When only its upper edge moved, because the options above it take
+    /// another line, the picture stays where it is on the screen, under the hand.
+    pub(super) fn set_panel(&mut self, panel: Rect) {
+        let before = std::mem::replace(&mut self.panel, panel);
+        let is_same = before.max == panel.max && before.min.x == panel.min.x;
+        if is_same && before.min.y != panel.min.y && self.zoom > 0.0 {
+            self.center += (panel.center() - before.center()) / self.zoom;
+        }
+    }
+
     pub(super) fn fit(&mut self, size: Vec2) {
         self.center = (size / 2.0).to_pos2();
         let zoom = (self.panel.width() / size.x).min(self.panel.height() / size.y);
         self.set_zoom(zoom * FITTED);
     }
 
-    pub(super) fn to_pixels(&mut self) {
+    pub(super) fn show_pixels(&mut self) {
         self.set_zoom(1.0 / self.pixels_per_point);
     }
 

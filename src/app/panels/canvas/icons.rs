@@ -96,28 +96,7 @@ pub(super) fn tool(painter: &Painter, rect: Rect, tool: Tool, color: Color32) {
                 pad.dot(corner, 1.8);
             }
         }
-        Tool::Livewire => {
-            pad.line(&[
-                (3.0, 16.0),
-                (5.2, 12.4),
-                (4.8, 9.2),
-                (7.6, 6.2),
-                (11.2, 5.6),
-                (13.0, 3.6),
-            ]);
-            pad.dot((3.0, 16.4), 1.9);
-            pad.dot((13.4, 3.4), 1.9);
-            pad.line(&[
-                (11.0, 10.5),
-                (11.0, 14.5),
-                (13.0, 16.6),
-                (15.6, 16.6),
-                (17.6, 14.5),
-                (17.6, 10.5),
-            ]);
-            pad.line(&[(9.8, 10.5), (12.2, 10.5)]);
-            pad.line(&[(16.4, 10.5), (18.8, 10.5)]);
-        }
+        Tool::Livewire => livewire(&pad),
         Tool::Flood => {
             pad.closed(&[(9.0, 4.0), (15.6, 10.6), (9.4, 16.2), (3.0, 10.0)]);
             pad.filled(&[(3.6, 10.4), (15.0, 10.6), (9.4, 15.6)]);
@@ -165,6 +144,61 @@ pub(super) fn eraser(painter: &Painter, rect: Rect, color: Color32) {
         (3.0, 12.8),
     ]);
     pad.line(&[(6.0, 16.8), (17.4, 16.8)]);
+}
+
+/// Draws the icon of what is done to a mask: three sliders.
+pub(super) fn refine(painter: &Painter, rect: Rect, color: Color32) {
+    let pad = Pad {
+        painter,
+        rect,
+        color,
+    };
+    for (y, knob) in [(4.5, 13.0), (10.0, 6.5), (15.5, 11.0)] {
+        pad.line(&[(2.5, y), (17.5, y)]);
+        pad.dot((knob, y), 2.4);
+    }
+}
+
+/// Draws the icon of what is shown: an eye.
+pub(super) fn show(painter: &Painter, rect: Rect, color: Color32) {
+    let pad = Pad {
+        painter,
+        rect,
+        color,
+    };
+    let lid = |bend: f32| {
+        let point = |i: i32| {
+            let t = i as f32 / 12.0;
+            (2.0 + 16.0 * t, 10.0 + bend * 4.0 * t * (1.0 - t))
+        };
+        (0..=12).map(point).collect::<Vec<_>>()
+    };
+    pad.line(&lid(-6.0));
+    pad.line(&lid(6.0));
+    pad.dot((10.0, 10.0), 2.8);
+}
+
+fn livewire(pad: &Pad<'_>) {
+    pad.line(&[
+        (3.0, 16.0),
+        (5.2, 12.4),
+        (4.8, 9.2),
+        (7.6, 6.2),
+        (11.2, 5.6),
+        (13.0, 3.6),
+    ]);
+    pad.dot((3.0, 16.4), 1.9);
+    pad.dot((13.4, 3.4), 1.9);
+    pad.line(&[
+        (11.0, 10.5),
+        (11.0, 14.5),
+        (13.0, 16.6),
+        (15.6, 16.6),
+        (17.6, 14.5),
+        (17.6, 10.5),
+    ]);
+    pad.line(&[(9.8, 10.5), (12.2, 10.5)]);
+    pad.line(&[(16.4, 10.5), (18.8, 10.5)]);
 }
 
 fn star(pad: &Pad<'_>, (x, y): (f32, f32), radius: f32) {

@@ -154,8 +154,8 @@ fn baseline(painter: &Painter, camera: &Camera, shape: &PictureShape) {
     painter.extend(Shape::dashed_line(&ends, Stroke::new(1.4, PIN), 8.0, 5.0));
     lettered(
         painter,
-        ends[1] + vec2(6.0, 0.0),
-        Align2::LEFT_CENTER,
+        ends[1] - vec2(0.0, 4.0),
+        Align2::RIGHT_BOTTOM,
         "Crown begins",
     );
 }

@@ -8,11 +8,13 @@ use super::super::super::photos::{Photos, Thumbnail};
 use super::super::color_image;
 use super::camera::Camera;
 use crate::base::Digest;
-use crate::raster::{Image, Premultiplied};
+use crate::raster::{Image, Premultiplied, Straight};
 use egui::{
     Color32, ColorImage, Painter, Pos2, Rect, TextureHandle, TextureOptions, Vec2, pos2, vec2,
 };
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::sync::Arc;
 
 /// Side of a tile, texels: small enough for a frame's work, large enough for few draws.
 pub(super) const SIDE: u32 = 256;
@@ -35,6 +37,16 @@ pub(super) type Key = (u32, u32, u32);
 struct Tile {
     texture: TextureHandle,
     seen: u64,
+}
+
+/// What could be drawn of what can be seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Drawn {
+    All,
+    /// The next frame makes more.
+    MoreToMake,
+    /// A job makes what is missing, and wakes the window then.
+    Waiting,
 }
 
 /// The textures of a photograph.
@@ -67,13 +79,16 @@ impl PhotoTiles {
         self.frame += 1;
         let place = camera.rect_on_screen(Rect::from_min_size(Pos2::ZERO, size));
         let painter = painter.with_clip_rect(painter.clip_rect().intersect(place));
-        if self.draw_tiles(&painter, camera, photos, digest, size) {
+        let before = self.draw_tiles(&painter, camera, photos, digest, size);
+        if before == Drawn::All {
             return;
         }
         self.draw_thumbnail(&painter, photos, digest, place);
         // Once more over it: those that are there already.
-        self.draw_tiles(&painter, camera, photos, digest, size);
-        painter.ctx().request_repaint();
+        let now = self.draw_tiles(&painter, camera, photos, digest, size);
+        if before == Drawn::MoreToMake || now == Drawn::MoreToMake {
+            painter.ctx().request_repaint();
+        }
     }
 
     /// A pattern that shows through what is clear in the picture.
@@ -92,7 +107,7 @@ impl PhotoTiles {
         }
     }
 
-    /// Draws the tiles that can be seen; whether all are there.
+    /// Draws the tiles that can be seen.
     fn draw_tiles(
         &mut self,
         painter: &Painter,
@@ -100,46 +115,40 @@ impl PhotoTiles {
         photos: &Photos,
         digest: Digest,
         size: Vec2,
-    ) -> bool {
+    ) -> Drawn {
         let (whole, pyramid) = (photos.whole(digest), photos.pyramid(digest));
         let level = camera.level(pyramid.map_or(0, |pyramid| pyramid.levels()));
         let reduced = pyramid.and_then(|pyramid| pyramid.level(level));
         if pyramid.is_none() && camera.level(1) > 0 {
-            return false;
+            return Drawn::Waiting;
         }
-        let (mut new, mut is_complete) = (0, true);
+        let (mut new, mut drawn) = (0, Drawn::All);
         for key in visible_tiles(camera, size, level) {
-            if !self.tiles.contains_key(&key) {
-                if new == MOST_NEW {
-                    is_complete = false;
-                    continue;
-                }
-                let image = match (whole, reduced) {
-                    (_, Some(level)) => part_of(level, key),
-                    (Some(whole), None) => {
-                        let rect = part(key, whole.width(), whole.height());
-                        color_image(&whole.cropped(rect.0, rect.1, rect.2, rect.3))
-                    }
-                    (None, None) => {
-                        is_complete = false;
+            let tile = match self.tiles.entry(key) {
+                Entry::Occupied(tile) => tile.into_mut(),
+                Entry::Vacant(place) => {
+                    if new == MOST_NEW {
+                        drawn = Drawn::MoreToMake;
                         continue;
                     }
-                };
-                new += 1;
-                let texture = painter.ctx().load_texture("photo tile", image, SAMPLING);
-                self.tiles.insert(key, Tile { texture, seen: 0 });
-            }
-            if let Some(tile) = self.tiles.get_mut(&key) {
-                tile.seen = self.frame;
-                let place = camera.rect_on_screen(covered(key, tile.texture.size()));
-                painter.image(tile.texture.id(), place, UV, Color32::WHITE);
-            }
+                    let Some(image) = texels(whole, reduced, key) else {
+                        drawn = Drawn::Waiting;
+                        continue;
+                    };
+                    new += 1;
+                    let texture = painter.ctx().load_texture("photo tile", image, SAMPLING);
+                    place.insert(Tile { texture, seen: 0 })
+                }
+            };
+            tile.seen = self.frame;
+            let place = camera.rect_on_screen(covered(key, tile.texture.size()));
+            painter.image(tile.texture.id(), place, UV, Color32::WHITE);
         }
         if self.tiles.len() > MOST_KEPT {
             let frame = self.frame;
             self.tiles.retain(|_, tile| tile.seen == frame);
         }
-        is_complete
+        drawn
     }
 
     fn draw_thumbnail(&mut self, painter: &Painter, photos: &Photos, digest: Digest, place: Rect) {
@@ -199,9 +208,19 @@ fn part((_, column, row): Key, width: u32, height: u32) -> (u32, u32, u32, u32) 
     (x, y, SIDE.min(width - x), SIDE.min(height - y))
 }
 
-fn part_of(level: &Image<Premultiplied>, key: Key) -> ColorImage {
-    let (x, y, width, height) = part(key, level.width(), level.height());
-    premultiplied_image(&level.cropped(x, y, width, height))
+/// What is on a tile: of the level, or of the photograph itself where that is level 0.
+fn texels(
+    whole: Option<&Arc<Image<Straight>>>,
+    level: Option<&Image<Premultiplied>>,
+    key: Key,
+) -> Option<ColorImage> {
+    if let Some(level) = level {
+        let (x, y, width, height) = part(key, level.width(), level.height());
+        return Some(premultiplied_image(&level.cropped(x, y, width, height)));
+    }
+    let whole = whole.filter(|_| key.0 == 0)?;
+    let (x, y, width, height) = part(key, whole.width(), whole.height());
+    Some(color_image(&whole.cropped(x, y, width, height)))
 }
 
 /// A picture as egui takes it.

@@ -17,6 +17,9 @@ const MOST_KEPT: usize = 256;
 /// Changed tiles of the mask above which all textures are made anew.
 const MANY: usize = 1024;
 
+/// Pixels of the screen for one of the photograph from which on lines get a dark edge.
+const EDGE_FROM: f32 = 3.0;
+
 /// Coverage of the tint, 0 to 255: the photograph stays clear.
 const OPACITY: u8 = 100;
 
@@ -117,6 +120,13 @@ impl TintTiles {
         (color, shade): (Color32, Color32),
     ) {
         let (mut light, mut dark) = (Mesh::default(), Mesh::default());
+        // From afar foliage is all outline: there the line has no edge and is as thin as can be.
+        let has_edge = camera.scale() >= EDGE_FROM;
+        let half = if has_edge {
+            0.6
+        } else {
+            0.5 / camera.pixels_per_point
+        };
         for key in self.made_visible(painter, camera, size) {
             let Some(tile) = self.tiles.get_mut(&key) else {
                 continue;
@@ -132,8 +142,10 @@ impl TintTiles {
             };
             for &[from, to] in lines.iter() {
                 let (from, to) = (place(from), place(to));
-                dark.add_colored_rect(thick(from, to, 1.2), shade);
-                light.add_colored_rect(thick(from, to, 0.6), color);
+                if has_edge {
+                    dark.add_colored_rect(thick(from, to, 1.2), shade);
+                }
+                light.add_colored_rect(thick(from, to, half), color);
             }
         }
         painter.add(dark);

@@ -17,6 +17,8 @@ mod commands;
 mod dock;
 mod files;
 mod live;
+mod live_job;
+mod live_picture;
 mod outcome;
 mod palette;
 mod panels;

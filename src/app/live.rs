@@ -5,25 +5,20 @@
 //! edit has a serial number that goes with the jobs it causes, and no result replaces one of a later
 //! edit.
 
+use super::live_job::Making;
 use super::outcome::Outcome;
-use super::panels::screen::{light, meshes, settings};
 use super::preferences::Navigation;
 use super::studio::{Severity, Studio};
-use crate::base::write_atomic;
 use crate::document::{CrownSettings, PhotoId};
 use crate::geometry::Point;
-use crate::jobs::{Context, JobError, JobId, Priority, Request, Topic};
-use crate::pipeline::{
-    CrownError, CrownRequest, LiveCrown, LiveInput, LiveResult, Quality, is_crown,
-};
-use crate::raster::{Compression, Image, Straight, encode_png};
-use crate::render::{
-    Backend, LeafSet, PreparedCrown, PreparedMesh, RenderSettings, Renderer, SceneView, cpu,
-};
-use crate::scene::{Backdrop, Camera, Crown, CrownInstance, Light, Trunk};
+use crate::jobs::{Context, JobId, Priority, Request, Topic};
+use crate::pipeline::{CrownRequest, LiveCrown, LiveInput, Quality, is_crown};
+use crate::raster::{Image, Straight};
+use crate::render::{LeafSet, PreparedCrown, PreparedMesh, RenderSettings};
+use crate::scene::{Backdrop, Camera, Crown, Light};
 use glam::DVec3;
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock};
 
 /// Squares along a side of a face where the crown is drawn as a mesh, and as wires.
 const MESH_CELLS: u32 = 96;
@@ -85,8 +80,8 @@ pub enum LiveAction {
     Seen(Camera, (u32, u32)),
     /// Writes what the view shows to a file.
     SavePicture(PathBuf),
-    /// Draws a picture on the processor, with these leaves.
-    Picture(Box<PictureRequest>, Arc<LeafSet>),
+    /// Draws a picture on the processor.
+    Picture(Box<PictureRequest>),
 }
 
 /// A picture for the processor to draw.
@@ -106,6 +101,8 @@ pub struct PictureRequest {
 #[derive(Debug, Clone)]
 pub(super) struct ShownCrown {
     pub(super) photo: PhotoId,
+    /// Its pixels: photographs of two projects may have one number.
+    pub(super) source: Arc<Image<Straight>>,
     /// The edit it shows.
     pub(super) serial: u64,
     pub(super) quality: Quality,
@@ -116,11 +113,11 @@ pub(super) struct ShownCrown {
     pub(super) surface: Option<(u32, PreparedMesh)>,
     /// The middle of the tree and the radius of a ball around it.
     pub(super) bounds: (DVec3, f64),
-    /// Places along its silhouette, see [`LiveResult::silhouette`].
+    /// Places along its silhouette, see [`crate::pipeline::LiveResult`].
     pub(super) silhouette: Arc<[(f64, Point)]>,
     /// The labels of its sub-crowns.
     pub(super) sub_crowns: Vec<u8>,
-    color_version: u64,
+    pub(super) color_version: u64,
 }
 
 /// What a job of this file tells.
@@ -168,7 +165,7 @@ pub(super) struct Live {
     pub(super) picture_wanted: Option<PictureRequest>,
     /// What it drew, with a number of its own.
     pub(super) picture: Option<(u64, Image<Straight>)>,
-    picture_job: Option<JobId>,
+    pub(super) picture_job: Option<JobId>,
     /// From where the view is seen, and its pixels.
     pub(super) seen: Option<(Camera, (u32, u32))>,
 }
@@ -182,12 +179,18 @@ const FULL: Topic = Topic {
     item: 0,
 };
 
-const PICTURE: Topic = Topic {
-    kind: "picture of a crown",
-    item: 0,
-};
+/// The leaves that crowns are drawn with; takes 60 ms the first time.
+pub(super) fn leaves() -> &'static LeafSet {
+    static LEAVES: OnceLock<LeafSet> = OnceLock::new();
+    LEAVES.get_or_init(LeafSet::default)
+}
 
 impl Live {
+    /// Whether the processor draws a picture.
+    pub(super) fn is_drawing(&self) -> bool {
+        self.picture_job.is_some()
+    }
+
     /// Whether the crown's last and longest step is under way.
     pub(super) fn is_growing(&self) -> bool {
         self.full.is_some()
@@ -241,7 +244,7 @@ impl Studio {
             LiveAction::Navigation(navigation) => self.preferences.navigation = navigation,
             LiveAction::Seen(camera, size) => self.live.seen = Some((camera, size)),
             LiveAction::SavePicture(path) => self.save_picture(path),
-            LiveAction::Picture(request, leaves) => self.draw_on_processor(*request, leaves),
+            LiveAction::Picture(request) => self.draw_on_processor(*request),
         }
     }
 
@@ -259,10 +262,11 @@ impl Studio {
             if let Some((job, _)) = live.full {
                 self.jobs.cancel(job);
             }
-            let photo = wanted.as_ref().map(|wanted| wanted.photo);
-            if live.shown.as_ref().map(|shown| shown.photo) != photo {
-                live.shown = None;
-            }
+            let source = wanted.as_ref().map(|wanted| &wanted.input.photo);
+            let is_of_source = |shown: &Arc<ShownCrown>| {
+                source.is_some_and(|source| Arc::ptr_eq(source, &shown.source))
+            };
+            live.shown = live.shown.take().filter(is_of_source);
             live.wanted = wanted;
         }
         self.start_live_jobs();
@@ -341,7 +345,8 @@ impl Studio {
         match outcome {
             LiveOutcome::Crown(shown) => {
                 let wanted = self.live.wanted.as_ref();
-                let is_of_photo = wanted.is_some_and(|wanted| wanted.photo == shown.photo);
+                let is_of_photo =
+                    wanted.is_some_and(|wanted| Arc::ptr_eq(&wanted.input.photo, &shown.source));
                 let last = self.live.shown.as_ref();
                 let is_later = last.is_none_or(|last| last.serial <= shown.serial);
                 let is_better = last.is_none_or(|last| {
@@ -388,191 +393,4 @@ impl Studio {
             live.full_done = live.full_done.max(serial);
         }
     }
-
-    /// Draws a picture; one at a time, so that a view in motion is seen to move.
-    fn draw_on_processor(&mut self, request: PictureRequest, leaves: Arc<LeafSet>) {
-        if self.live.picture_job.is_some() {
-            return;
-        }
-        let Some(shown) = self.live.shown.clone() else {
-            return;
-        };
-        self.live.picture_wanted = Some(request.clone());
-        let drawn = self.live.drawn;
-        let work = move |context: &Context<Outcome>| {
-            let view = SceneView {
-                crowns: std::slice::from_ref(&shown.prepared),
-                instances: &[CrownInstance::plain(0)],
-                meshes: &meshes(&shown, drawn),
-                leaves: &leaves,
-                camera: &request.camera,
-                light: &request.light,
-                backdrop: request.backdrop,
-            };
-            let progress = context.progress();
-            let picture = cpu::picture(&view, &request.settings, &progress, context.cancel())?;
-            Ok(Outcome::Live(LiveOutcome::Picture(picture)))
-        };
-        let request = Request::new("Drawing the crown", PICTURE, Priority::Interactive, work);
-        self.live.picture_job = Some(self.jobs.submit(request));
-    }
-}
-
-/// Samples along each side of a pixel of a picture that is kept.
-const KEPT_FINENESS: u32 = 3;
-
-impl Studio {
-    /// Draws what the view shows once more, finely, and writes it to `path`.
-    fn save_picture(&mut self, path: PathBuf) {
-        let (Some(shown), Some((camera, size))) = (self.live.shown.clone(), self.live.seen) else {
-            return;
-        };
-        let (drawn, backdrop, light) = (self.live.drawn, self.live.backdrop, light(self));
-        let work = move |context: &Context<Outcome>| {
-            let view = SceneView {
-                crowns: std::slice::from_ref(&shown.prepared),
-                instances: &[CrownInstance::plain(0)],
-                meshes: &meshes(&shown, drawn),
-                leaves: &LeafSet::default(),
-                camera: &camera,
-                light: &light,
-                backdrop,
-            };
-            let settings = RenderSettings {
-                fineness: KEPT_FINENESS,
-                ..settings(drawn, size)
-            };
-            let drawn_by = |backend| {
-                let mut renderer = Renderer::new(backend)?;
-                renderer.picture(&view, &settings, context.cancel())
-            };
-            let picture = match drawn_by(Backend::Gpu) {
-                Err(error) if error.is_of_device() => drawn_by(Backend::Cpu),
-                other => other,
-            };
-            let picture = picture.map_err(JobError::failed)?;
-            let bytes = encode_png(&picture, Compression::Small);
-            write_atomic(&path, &bytes).map_err(JobError::failed)?;
-            Ok(Outcome::Live(LiveOutcome::Saved(path)))
-        };
-        let topic = Topic {
-            kind: "saved picture",
-            item: 0,
-        };
-        self.jobs.submit(Request::new(
-            "Saving a picture",
-            topic,
-            Priority::Interactive,
-            work,
-        ));
-    }
-}
-
-/// A job's share of the work.
-struct Making {
-    photo: PhotoId,
-    input: LiveInput,
-    request: CrownRequest,
-    serial: u64,
-    cache: Arc<Mutex<LiveCrown>>,
-    /// What is shown now.
-    last: Option<Arc<ShownCrown>>,
-    cells: Option<u32>,
-}
-
-impl Making {
-    fn quick(&self, context: &Context<Outcome>) -> Result<Outcome, JobError> {
-        let is_inflated = self.cached().is_inflated(&self.input);
-        let quality = if is_inflated {
-            Quality::Fine
-        } else {
-            Quality::Coarse
-        };
-        self.outcome(quality, context)
-    }
-
-    fn full(&self, context: &Context<Outcome>) -> Result<Outcome, JobError> {
-        if !self.cached().is_inflated(&self.input) {
-            context.publish(self.outcome(Quality::Fine, context)?);
-        }
-        self.outcome(Quality::Full, context)
-    }
-
-    /// A copy of what is known so far.
-    fn cached(&self) -> LiveCrown {
-        let cache = self.cache.lock();
-        cache.unwrap_or_else(PoisonError::into_inner).clone()
-    }
-
-    fn outcome(&self, quality: Quality, context: &Context<Outcome>) -> Result<Outcome, JobError> {
-        let mut live = self.cached();
-        let cancel = context.cancel();
-        let made = live.update(
-            &self.input,
-            &self.request,
-            quality,
-            context.progress(),
-            cancel,
-        );
-        let cache = self.cache.lock();
-        cache.unwrap_or_else(PoisonError::into_inner).adopt(live);
-        let outcome = match made {
-            Ok(made) => LiveOutcome::Crown(Box::new(self.prepared(made, quality, context)?)),
-            Err(error) if error.is_cancelled() => return Err(crate::base::Cancelled.into()),
-            Err(error) => LiveOutcome::Failed(self.serial, told(&error)),
-        };
-        Ok(Outcome::Live(outcome))
-    }
-
-    /// What a renderer needs; as much as can be of what is shown now.
-    fn prepared(
-        &self,
-        LiveResult {
-            crown,
-            color_version,
-            silhouette,
-            sub_crowns,
-        }: LiveResult,
-        quality: Quality,
-        context: &Context<Outcome>,
-    ) -> Result<ShownCrown, JobError> {
-        let last = self.last.as_ref().filter(|last| {
-            let same = last.photo == self.photo && last.color_version == color_version;
-            same && quality != Quality::Full
-        });
-        let trunk = Trunk::under(&crown);
-        let surface = self
-            .cells
-            .map(|cells| (cells, PreparedMesh::of_crown(&crown, cells)));
-        let (prepared, mesh, bounds) = match last {
-            Some(last) => (
-                last.prepared.reshaped(&crown),
-                last.trunk.clone(),
-                last.bounds,
-            ),
-            None => (
-                PreparedCrown::new(&crown, context.cancel())?.on_stem(&trunk),
-                PreparedMesh::of_trunk(&trunk, &crown),
-                crown.tree_bounds(),
-            ),
-        };
-        Ok(ShownCrown {
-            photo: self.photo,
-            serial: self.serial,
-            quality,
-            crown,
-            prepared,
-            trunk: mesh,
-            surface,
-            bounds,
-            silhouette,
-            sub_crowns,
-            color_version,
-        })
-    }
-}
-
-/// Why there is no crown, in the words of the panel.
-fn told(error: &CrownError) -> String {
-    error.to_string()
 }

@@ -20,6 +20,8 @@ mod commands;
 mod dock;
 mod files;
 mod live;
+mod live_job;
+mod live_picture;
 mod make_dialog;
 mod mask_action;
 mod mask_jobs;

@@ -61,7 +61,8 @@ impl Crown {
                     sub_crowns(ui, studio, photo, &mut settings, &mut change);
                 });
             });
-        if let Some(Change { label, gesture }) = change {
+        let is_idle = |change: &Change| change.gesture == Gesture::Going && settings == *before;
+        if let Some(Change { label, gesture }) = change.filter(|change| !is_idle(change)) {
             actions.push(Action::Edit {
                 label,
                 edit: Edit::SetCrown(photo, Box::new(settings)),

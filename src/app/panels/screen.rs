@@ -1,16 +1,15 @@
 //! Where the crown's picture comes from: the window's graphics card, or the processor.
 
 use super::super::action::Action;
-use super::super::live::{Drawn, LiveAction, PictureRequest, ShownCrown};
+use super::super::live::{Drawn, LiveAction, PictureRequest, ShownCrown, leaves};
 use super::super::studio::Studio;
 use super::color_image;
 use crate::render::{
-    Gpu, LeafSet, Mode, PreparedMesh, RenderError, RenderSettings, SceneView, Shown, View, Viewport,
+    Gpu, Mode, PreparedMesh, RenderError, RenderSettings, SceneView, Shown, View, Viewport,
 };
 use crate::scene::{Camera, CrownInstance, Light};
 use eframe::egui_wgpu::RenderState;
 use egui::{TextureHandle, TextureId, TextureOptions};
-use std::sync::Arc;
 
 /// Longest side of a picture of the processor, pixels.
 const CPU_PX: f32 = 420.0;
@@ -20,7 +19,6 @@ pub(super) struct Screen {
     card: Option<Card>,
     /// Why there is no card.
     pub(super) trouble: Option<String>,
-    leaves: Option<Arc<LeafSet>>,
     /// A picture of the processor, by its number.
     picture: Option<(u64, TextureHandle)>,
 }
@@ -78,7 +76,6 @@ impl Screen {
         Self {
             card,
             trouble,
-            leaves: None,
             picture: None,
         }
     }
@@ -91,12 +88,8 @@ impl Screen {
         look: &Look<'_>,
         actions: &mut Vec<Action>,
     ) -> Option<(TextureId, bool)> {
-        let leaves = self
-            .leaves
-            .get_or_insert_with(|| Arc::new(LeafSet::default()));
-        let leaves = Arc::clone(leaves);
         if let Some(card) = &mut self.card {
-            match card.drawn(studio, look, &leaves) {
+            match card.drawn(studio, look) {
                 Ok(drawn) => return Some(drawn),
                 Err(error) => {
                     self.trouble = Some(error.to_string());
@@ -104,7 +97,7 @@ impl Screen {
                 }
             }
         }
-        self.of_processor(ctx, studio, look, leaves, actions)
+        self.of_processor(ctx, studio, look, actions)
     }
 
     fn of_processor(
@@ -112,7 +105,6 @@ impl Screen {
         ctx: &egui::Context,
         studio: &Studio,
         look: &Look<'_>,
-        leaves: Arc<LeafSet>,
         actions: &mut Vec<Action>,
     ) -> Option<(TextureId, bool)> {
         let (width, height) = look.size;
@@ -124,8 +116,9 @@ impl Screen {
             ..settings(studio.live.drawn, look.size)
         };
         let request = look.request(studio, settings);
-        if studio.live.picture_wanted.as_ref() != Some(&request) {
-            actions.push(Action::Live(LiveAction::Picture(Box::new(request), leaves)));
+        let is_new = studio.live.picture_wanted.as_ref() != Some(&request);
+        if is_new && !studio.live.is_drawing() {
+            actions.push(Action::Live(LiveAction::Picture(Box::new(request))));
         }
         let (number, image) = studio.live.picture.as_ref()?;
         if self.picture.as_ref().is_none_or(|(of, _)| of != number) {
@@ -145,7 +138,6 @@ impl Card {
         &mut self,
         studio: &Studio,
         look: &Look<'_>,
-        leaves: &LeafSet,
     ) -> Result<(TextureId, bool), RenderError> {
         let wanted = look.request(studio, settings(studio.live.drawn, look.size));
         if let Some((_, id)) = self.texture
@@ -162,7 +154,7 @@ impl Card {
             crowns: std::slice::from_ref(&look.shown.prepared),
             instances: &[CrownInstance::plain(0)],
             meshes: &meshes,
-            leaves,
+            leaves: leaves(),
             camera: &look.camera,
             light: &look.light,
             backdrop: studio.live.backdrop,

@@ -170,13 +170,13 @@ impl View {
                 }
                 Some(Motion::Pan) => self.pan += vec2(-delta.x, delta.y),
                 Some(Motion::Zoom) => distance *= (down * 3.0).exp(),
-                Some(Motion::Sun) => {
+                Some(Motion::Sun) if delta != Vec2::ZERO => {
                     let (yaw, pitch) = view.sun_deg;
                     let pitch = (pitch - down * TURN_DEG).clamp(LOWEST_SUN_DEG, 89.0);
                     let sun = ((yaw + across * TURN_DEG).rem_euclid(360.0), pitch);
                     actions.push(Action::Live(LiveAction::Sun(sun)));
                 }
-                None => {}
+                Some(Motion::Sun) | None => {}
             }
         }
         let distance = distance.clamp(0.05, 20.0);
@@ -186,8 +186,7 @@ impl View {
     }
 
     fn motion(&self, ui: &Ui, studio: &Studio, response: &Response) -> Option<Motion> {
-        let (modifiers, sun_key) =
-            ui.input(|input| (input.modifiers, input.key_down(egui::Key::L)));
+        let modifiers = ui.input(|input| input.modifiers);
         let button = [
             PointerButton::Primary,
             PointerButton::Middle,
@@ -197,7 +196,6 @@ impl View {
         .find(|button| response.dragged_by(*button))?;
         let navigation = studio.preferences.navigation;
         Some(match (navigation, button) {
-            (_, PointerButton::Primary) if sun_key => Motion::Sun,
             (Navigation::Maya, PointerButton::Middle) if modifiers.alt => Motion::Pan,
             (Navigation::Maya, PointerButton::Secondary) if modifiers.alt => Motion::Zoom,
             (Navigation::Maya, PointerButton::Primary) if modifiers.alt => Motion::Orbit,
@@ -250,7 +248,9 @@ impl View {
             let yaw = libm::atan2(sun.x, sun.z).to_degrees();
             let pitch = libm::asin(sun.y.clamp(-1.0, 1.0)).to_degrees();
             let pitch = pitch.clamp(LOWEST_SUN_DEG, 89.0);
-            actions.push(Action::Live(LiveAction::Sun((yaw, pitch))));
+            if (yaw, pitch) != studio.document().view().sun_deg {
+                actions.push(Action::Live(LiveAction::Sun((yaw, pitch))));
+            }
         }
         let sun = light(studio).toward_sun();
         let seen = vec2(sun.dot(axes.right) as f32, -sun.dot(axes.up) as f32);
@@ -263,7 +263,7 @@ impl View {
             response.hovered() || response.dragged(),
         );
         response.on_hover_text(
-            "The sun: drag the light over the ball. Or drag in the view with Alt or L held.",
+            "The sun: drag the light over the ball. Or drag in the view with Alt held.",
         );
     }
 

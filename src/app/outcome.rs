@@ -149,6 +149,7 @@ impl Studio {
         self.document = document;
         self.file = super::studio::ProjectFile::default();
         self.painting = None;
+        self.vary = super::vary::Vary::default();
         self.autosave_clock = store::AutosaveClock::default();
         self.autosave_clock
             .wrote(self.document.snapshot().revision());

@@ -33,7 +33,7 @@ pub enum VaryAction {
     TakeMix(Digest),
     /// Shows a tree large; `None` closes it.
     Enlarge(Option<Digest>),
-    /// Goes on with a gallery that was cancelled.
+    /// Goes on with exemplars or a gallery that were cancelled.
     GoOn,
     /// Asks for a folder to write to.
     AskForFolder,
@@ -70,6 +70,7 @@ impl Studio {
             VaryAction::ChoseFolder(folder) => self.vary.folder = Some(folder),
             VaryAction::Make(settings) => self.make_batch(*settings),
             VaryAction::GoOn => {
+                self.vary.asked_for = None;
                 self.vary.asked_trees = None;
                 self.refresh_variations();
             }

@@ -211,6 +211,7 @@ impl Studio {
         self.painting = None;
         self.mask_work.sketch = None;
         self.mask_work.held.clear();
+        self.vary = super::vary::Vary::default();
         self.autosave_clock = store::AutosaveClock::default();
         self.autosave_clock
             .wrote(self.document.snapshot().revision());

@@ -9,7 +9,7 @@ use crate::document::{ExemplarWeight, PhotoId, VariationSettings};
 use crate::geometry::Point;
 use crate::pipeline::{GalleryTree, Pool, gallery_slots, parts_of_mix};
 use crate::raster::{Image, Straight};
-use crate::variation::{Draft, Drafts, Entry, Library, Palette, Part};
+use crate::variation::{Draft, Drafts, Entry, Library, Palette, Part, are_of_a_kind};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
@@ -119,7 +119,7 @@ impl Vary {
     }
 
     /// The exemplars of the project with their shares in the mix: those ticked, or all that can be
-    /// used when none is; equal shares of the first few when no share was given.
+    /// used when none is; equal shares of the first and one of its kind when no share was given.
     pub(super) fn mix(&self, settings: &VariationSettings) -> Vec<ExemplarWeight> {
         let Some(prepared) = &self.prepared else {
             return Vec::new();
@@ -135,7 +135,11 @@ impl Vary {
                 .collect();
         }
         if mix.iter().all(|part| part.weight == 0.0) {
-            for part in mix.iter_mut().take(2) {
+            let second = first_match(prepared, &mix);
+            for part in mix.iter_mut().take(1) {
+                part.weight = 1.0;
+            }
+            if let Some(part) = second.and_then(|at| mix.get_mut(at)) {
                 part.weight = 1.0;
             }
         }
@@ -252,4 +256,13 @@ impl Vary {
             self.latest.retain(|_, key| tiles.contains_key(key));
         }
     }
+}
+
+/// The first exemplar of `mix` that is of a kind with its first, or the second if none is.
+fn first_match(prepared: &Prepared, mix: &[ExemplarWeight]) -> Option<usize> {
+    let shape = |part: &ExemplarWeight| prepared.entry(part.photo).map(|(entry, _)| &entry.shape);
+    let first = shape(mix.first()?)?;
+    let is_match = |part: &ExemplarWeight| shape(part).is_some_and(|own| are_of_a_kind(first, own));
+    let found = mix.iter().skip(1).position(is_match);
+    Some(found.map_or(1, |at| at + 1))
 }

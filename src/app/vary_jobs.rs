@@ -19,6 +19,9 @@ use std::collections::btree_map::Entry;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
+/// The job that prepares exemplars.
+pub(super) const EXEMPLARS: &str = "exemplars";
+
 /// The job that fills the gallery.
 pub(super) const GALLERY: &str = "gallery";
 
@@ -120,7 +123,7 @@ impl Studio {
         };
         let request = Request::new(
             "Preparing exemplars",
-            topic("exemplars"),
+            topic(EXEMPLARS),
             Priority::Preview,
             work,
         );

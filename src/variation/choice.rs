@@ -219,7 +219,7 @@ fn companions(
     let matching: Vec<usize> = others
         .iter()
         .copied()
-        .filter(|&i| matches(shapes[first], shapes[i]))
+        .filter(|&i| are_of_a_kind(shapes[first], shapes[i]))
         .collect();
     let enough = settings.selective && (matching.len() >= wanted || !matching.is_empty());
     let pool = if enough { matching } else { others };
@@ -230,8 +230,9 @@ fn companions(
         .collect()
 }
 
-/// Whether two trees are of a kind: both with or both without a trunk, and about as dense.
-fn matches(a: &Shape, b: &Shape) -> bool {
+/// Whether two trees are of a kind: both with or both without a trunk, and about as dense. Such mix
+/// well.
+pub fn are_of_a_kind(a: &Shape, b: &Shape) -> bool {
     // A cage may lose the trunk that the outline has: between strands that hang to the ground.
     a.contour.pins.has_trunk() == b.contour.pins.has_trunk()
         && a.cage.pins.has_trunk() == b.cage.pins.has_trunk()

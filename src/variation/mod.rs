@@ -22,7 +22,7 @@ mod synthesis;
 mod warp;
 mod warp_image;
 
-pub use choice::{ChoiceSettings, Chosen, Coloring, Part, chosen, parts_near};
+pub use choice::{ChoiceSettings, Chosen, Coloring, Part, are_of_a_kind, chosen, parts_near};
 pub use distortion::Distortion;
 pub use exemplar::{Exemplar, ExemplarError, ExemplarSettings, Outlined, Shape};
 pub use histogram::{Histogram, Transfer};

@@ -6,7 +6,7 @@ use super::super::commands::Command;
 use super::super::studio::Studio;
 use super::super::theme::{GAP, TIGHT};
 use super::super::vary::{Cell, Tile};
-use super::super::vary_jobs::GALLERY;
+use super::super::vary_jobs::{EXEMPLARS, GALLERY};
 use super::gallery_tile::{TileLook, tile_ui};
 use super::textures::Textures;
 use super::{changed_settings, empty, gallery_large, gesture_of};
@@ -41,7 +41,7 @@ impl Gallery {
     pub(super) fn show(&mut self, ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
         let vary = &studio.vary;
         if vary.gallery.is_empty() {
-            nothing(ui, studio);
+            nothing(ui, studio, actions);
             return;
         }
         egui::Frame::NONE.inner_margin(GAP).show(ui, |ui| {
@@ -242,8 +242,18 @@ impl Gallery {
 }
 
 /// Why there are no trees.
-fn nothing(ui: &mut Ui, studio: &Studio) {
+fn nothing(ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
+    let jobs = studio.jobs.snapshot();
+    let is_preparing = jobs.iter().any(|job| job.topic.kind == EXEMPLARS);
     match &studio.vary.prepared {
+        None if !is_preparing => {
+            empty(ui, "No trees yet", "The exemplars were not prepared.");
+            ui.vertical_centered(|ui| {
+                if ui.button("Prepare Them").clicked() {
+                    actions.push(Action::Vary(VaryAction::GoOn));
+                }
+            });
+        }
         None => {
             let above = (ui.available_height() * 0.38).max(0.0);
             ui.add_space(above);

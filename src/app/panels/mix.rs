@@ -22,6 +22,9 @@ const MOST_CORNERS: usize = 8;
 /// Corners that an untouched map shows.
 const USUAL_CORNERS: usize = 5;
 
+/// Smaller shares are none: they cost as much as large ones and nobody sees them.
+const LEAST_SHARE: f64 = 0.004;
+
 /// Side of a thumbnail on the map, points.
 const CORNER: f32 = 38.0;
 
@@ -179,7 +182,10 @@ impl Mix {
         point = hit.copied().unwrap_or(point);
         let on_map = self.corners.iter().copied().zip(map.weights(point));
         let mut weights: Vec<ExemplarWeight> = on_map
-            .map(|(photo, weight)| ExemplarWeight { photo, weight })
+            .map(|(photo, weight)| ExemplarWeight {
+                photo,
+                weight: if weight < LEAST_SHARE { 0.0 } else { weight },
+            })
             .collect();
         let others = mix
             .iter()
@@ -216,8 +222,12 @@ impl Mix {
             let scale = place.width() / size.max(1) as f32;
             let on_screen = |p: &Point| place.min + vec2(p.x as f32, p.y as f32) * scale;
             let points: Vec<Pos2> = outline.iter().step_by(3).map(on_screen).collect();
-            let stroke = Stroke::new(1.2, tokens.accent);
-            ui.painter().add(Shape::closed_line(points, stroke));
+            // One by one: where an outline turns back on itself a joint would be a spike.
+            let stroke = Stroke::new(1.3, tokens.accent);
+            let next = points.iter().cycle().skip(1);
+            let lines = points.iter().zip(next);
+            let lines = lines.map(|(from, to)| Shape::line_segment([*from, *to], stroke));
+            ui.painter_at(rect).extend(lines);
         }
         let told = format!(
             "A quick look at {0} × {0} pixels; batches are made in full.",

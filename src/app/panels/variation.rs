@@ -36,22 +36,27 @@ impl Variation {
         }
         let settings = &studio.document().state().content().variation;
         egui::Frame::NONE.inner_margin(GAP).show(ui, |ui| {
+            let jobs = studio.jobs.snapshot();
+            let batches = jobs.iter().filter(|job| job.topic.kind == BATCH).count();
+            // What leads out stays in sight, whatever is scrolled above it.
+            let below = 36.0 + batches as f32 * (WELL + 2.0 * GAP);
+            let height = (ui.available_height() - below).max(60.0);
             let area = egui::ScrollArea::vertical().auto_shrink(false);
-            area.show(ui, |ui| {
+            area.max_height(height).show(ui, |ui| {
                 chances(ui, studio, settings, actions);
                 self.target(ui, studio, settings, actions);
                 self.colors(ui, studio, settings, actions);
-                heading(ui, "Out");
-                ui.horizontal(|ui| {
-                    for command in [Command::MakeTrees, Command::ExportTrees] {
-                        let row = command.row();
-                        if ui.button(row.label).on_hover_text(row.help).clicked() {
-                            actions.push(Action::Do(command));
-                        }
-                    }
-                });
-                self.batches(ui, studio, actions);
             });
+            ui.add_space(TIGHT);
+            ui.horizontal(|ui| {
+                for command in [Command::MakeTrees, Command::ExportTrees] {
+                    let row = command.row();
+                    if ui.button(row.label).on_hover_text(row.help).clicked() {
+                        actions.push(Action::Do(command));
+                    }
+                }
+            });
+            self.batches(ui, studio, actions);
         });
         self.textures.sweep(ui);
     }
@@ -113,13 +118,13 @@ impl Variation {
     ) {
         heading(ui, "Target");
         let help = "A picture that all trees are made like. Drop an exemplar here.";
-        if let Some(target) = self.well(ui, studio, ("Target", help), settings.target) {
+        if let Some(target) = self.well(ui, studio, ("Made like", help), settings.target) {
             let whole = Some(Gesture::Whole);
             changed_settings(actions, studio, "Target", whole, |s| s.target = target);
         }
         ui.add_enabled_ui(settings.target.is_some(), |ui| {
             let mut strength = settings.strength;
-            let slider = slider_row(ui, "Strength", Slider::new(&mut strength, 0.0..=1.0));
+            let slider = slider_row(ui, "Strength", Slider::new(&mut strength, 0.0..=1.0).fixed_decimals(2));
             let slider = slider.on_hover_text(
                 "How far trees go from the target: at 0 they copy it, at 1 half of the outline is others'.",
             );
@@ -163,7 +168,7 @@ impl Variation {
         });
         let help =
             "Takes the colours of this picture, for another season say. Drop an exemplar here.";
-        if let Some(like) = self.well(ui, studio, ("Like", help), settings.like) {
+        if let Some(like) = self.well(ui, studio, ("Colours of", help), settings.like) {
             let whole = Some(Gesture::Whole);
             changed_settings(actions, studio, "Colours Like", whole, |s| s.like = like);
         }
@@ -203,6 +208,11 @@ impl Variation {
                 .rect_stroke(rect, 5.0, stroke, egui::StrokeKind::Inside);
             if let Some(photo) = holds.and_then(|id| photos.get(&id)) {
                 self.picture(ui, studio, photo, rect.shrink(TIGHT));
+            } else {
+                let font = egui::FontId::proportional(11.0);
+                let align = egui::Align2::CENTER_CENTER;
+                ui.painter()
+                    .text(rect.center(), align, "drop", font, tokens.weak);
             }
             if let Some(dropped) = response.dnd_release_payload::<PhotoId>() {
                 wanted = Some(Some(*dropped));

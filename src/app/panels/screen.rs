@@ -148,7 +148,9 @@ impl Card {
             // The processor has better things to do than to refine what is about to change.
             return Ok((id, true));
         }
-        self.drawn = Some(wanted);
+        // While the card works, the viewport shows the last scene and takes up none.
+        let takes_up = self.viewport.is_idle()?;
+        self.drawn = Some(wanted).filter(|_| takes_up);
         let meshes = meshes(look.shown, studio.live.drawn);
         let view = SceneView {
             crowns: std::slice::from_ref(&look.shown.prepared),

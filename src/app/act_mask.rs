@@ -20,9 +20,6 @@ use crate::paint::{
 use crate::raster::{Image, Straight};
 use std::sync::Arc;
 
-/// Radius of the strokes of smart select, at most: they only point.
-const MOST_HINT_RADIUS_PX: f64 = 64.0;
-
 /// What the studio knows of masks besides those in the project.
 #[derive(Default)]
 pub(super) struct MaskWork {
@@ -199,7 +196,7 @@ impl Studio {
             return;
         };
         let mut settings = self.brush_settings();
-        settings.radius_px = settings.radius_px.min(MOST_HINT_RADIUS_PX);
+        settings.radius_px = self.tools.hint_radius_px(width.max(height));
         settings.hardness = 1.0;
         if !matches!(self.mask_work.sketch, Some(Sketch::Smart(_))) {
             self.mask_work.sketch = Some(Sketch::Smart(Smart::new(photo, width, height)));

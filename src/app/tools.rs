@@ -95,7 +95,18 @@ pub enum ToolOption {
     Speck(u64),
 }
 
+/// Radius of the strokes of smart select, as shares of the picture's longer side: thinner ones cannot
+/// be seen, thicker ones say more than the hand means.
+const HINT_RADII: (f64, f64) = (1.0 / 160.0, 1.0 / 40.0);
+
 impl Tools {
+    /// Radius of the strokes of smart select on a picture with this longer side.
+    pub(super) fn hint_radius_px(&self, longer_px: u32) -> f64 {
+        let longer = f64::from(longer_px);
+        self.radius_px
+            .clamp(longer * HINT_RADII.0, longer * HINT_RADII.1)
+    }
+
     pub(super) fn set(&mut self, option: ToolOption) {
         match option {
             ToolOption::Tolerance(tolerance) => self.tolerance = tolerance,

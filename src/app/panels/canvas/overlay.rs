@@ -209,12 +209,13 @@ pub(super) fn caption(ui: &Ui, painter: &Painter, camera: &Camera, text: &str) {
 /// The brush under the pointer.
 pub(super) fn brush(painter: &Painter, camera: &Camera, studio: &Studio, at: Pos2, erases: bool) {
     let tools = &studio.tools;
-    let most = if tools.tool == Tool::Smart {
-        64.0
-    } else {
-        f64::INFINITY
+    let longer = studio.shown_mask();
+    let longer = longer.map_or(1, |mask| mask.width().max(mask.height()));
+    let radius = match tools.tool {
+        Tool::Smart => tools.hint_radius_px(longer),
+        _ => tools.radius_px,
     };
-    let radius = tools.radius_px.min(most) as f32 * camera.zoom;
+    let radius = radius as f32 * camera.zoom;
     let color = if erases { OUTSIDE } else { OVER_PHOTO };
     if radius < 1.5 {
         let arm = 5.0;

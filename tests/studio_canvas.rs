@@ -29,6 +29,9 @@ fn window(files: Vec<PathBuf>) -> (Window, tempfile::TempDir) {
         .with_size([1440.0, 900.0])
         .with_max_steps(64)
         .build_eframe(move |creation| Shell::new(creation, recovery, files));
+    // Crowns would take most of the time, and are another test's matter.
+    let studio = window.state_mut().studio_mut();
+    studio.act(Action::Do(Command::ToggleLiveCrown));
     wait(&mut window, |shell| !shell.studio().is_empty());
     settle(&mut window);
     (window, folder)

@@ -19,6 +19,9 @@ const SIZE: [f32; 2] = [960.0, 600.0];
 /// Share of the pixels that may differ: what is drawn with other drivers, and a job's spinner.
 const MAY_DIFFER: f32 = 0.02;
 
+/// Where the 3D view is in the crown's workspace, points.
+const VIEW: [[f32; 2]; 2] = [[490.0, 118.0], [790.0, 574.0]];
+
 fn has_adapter() -> bool {
     let found = boscage::render::Gpu::offscreen().is_ok();
     let required = std::env::var_os("BOSCAGE_REQUIRE_GPU").is_some_and(|value| value == "1");
@@ -43,6 +46,12 @@ fn compare(window: &mut Window, name: &str) {
     for _ in 0..4 {
         window.step();
     }
+    if window.state().studio().workspace() == Workspace::Crown
+        && !window.state().studio().is_empty()
+    {
+        // How far the crown's picture is refined depends on the machine.
+        window.mask(egui::Rect::from_min_max(VIEW[0].into(), VIEW[1].into()));
+    }
     let pixels = SIZE[0] * SIZE[1] * window.ctx.pixels_per_point().powi(2);
     let options = SnapshotOptions::new()
         .output_path("tests/golden/studio")
@@ -65,8 +74,8 @@ fn compare_workspaces(density: f32, names: [&str; 3], in_light: bool) {
         return;
     }
     let (mut window, _folder) = drawn_window(SIZE, density);
-    open_sample(&mut window);
     act(&mut window, Action::TourSeen);
+    open_sample(&mut window);
     for (workspace, name) in Workspace::ALL.into_iter().zip(names) {
         act(&mut window, Action::Do(Command::Show(workspace)));
         compare(&mut window, name);
@@ -94,8 +103,8 @@ fn what_lies_over_the_window_looks_as_it_did() {
         return;
     }
     let (mut window, _folder) = drawn_window(SIZE, 1.0);
-    open_sample(&mut window);
     act(&mut window, Action::TourSeen);
+    open_sample(&mut window);
     act(&mut window, Action::Do(Command::Show(Workspace::Library)));
     for (command, name) in [
         (Command::Palette, "palette"),

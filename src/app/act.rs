@@ -143,6 +143,9 @@ impl Studio {
             Command::RestoreLayout => self.effects.push(Effect::RestoreLayout),
             Command::FrameTree => self.effects.push(Effect::FrameTree),
             Command::SavePicture => self.effects.push(Effect::AskWhereToSavePicture),
+            Command::ToggleLiveCrown => {
+                self.preferences.live_crown = !self.preferences.live_crown;
+            }
             Command::Turntable => self.live.is_turning = !self.live.is_turning,
             Command::Draw(drawn) => self.act_live(LiveAction::Draw(drawn)),
             Command::Palette => self.effects.push(Effect::TogglePalette),

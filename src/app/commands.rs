@@ -124,6 +124,8 @@ pub enum Command {
     FrameTree,
     /// Turns the tree round and round.
     Turntable,
+    /// Makes the crown anew while the user paints, or leaves it as it is.
+    ToggleLiveCrown,
     /// Draws the crown in this way.
     Draw(Drawn),
     /// Writes what the 3D view shows to a file.
@@ -248,6 +250,7 @@ pub const TABLE: &[Row] = &[
     row(Command::Draw(Drawn::Leaves), Menu::Tree, "Draw Leaves", "Draws the crown with twigs and leaves.", NONE, Key::F6),
     row(Command::Draw(Drawn::Mesh), Menu::Tree, "Draw Mesh", "Draws the triangles of the crown's surface.", NONE, Key::F7),
     row(Command::Draw(Drawn::Wireframe), Menu::Tree, "Draw Wireframe", "Draws the triangles with their edges.", NONE, Key::F8),
+    row(Command::ToggleLiveCrown, Menu::Tree, "Live Crown", "Makes the crown anew with every stroke, or leaves it as it is while you paint.", NONE, Key::F9),
     row(Command::SavePicture, Menu::Tree, "Save Picture…", "Writes what the 3D view shows to a PNG file.", NONE, Key::F12),
     row(Command::ToggleTheme, Menu::View, "Dark or Light", "Changes between the dark and the light theme.", COMMAND_SHIFT, Key::L),
     row(Command::RestoreLayout, Menu::View, "Restore Default Layout", "Puts all panels back where they came from.", COMMAND_SHIFT, Key::R),

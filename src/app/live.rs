@@ -250,6 +250,9 @@ impl Studio {
 
     /// Looks whether the crown that is shown is still the one that is wanted, and if not has it made.
     pub(super) fn follow_live(&mut self) {
+        if !self.preferences.live_crown {
+            return;
+        }
         // The quick job looks again when it ends; a copy of the mask until then is for nothing.
         if self.live.quick.is_some() && self.painting.is_some() {
             return;

@@ -16,6 +16,8 @@ pub struct Preferences {
     pub recent: Vec<PathBuf>,
     /// Which buttons move the camera.
     pub navigation: Navigation,
+    /// Whether the crown is made anew while the user paints.
+    pub live_crown: bool,
     /// Whether the first steps were shown.
     pub tour_was_seen: bool,
 }
@@ -38,6 +40,7 @@ impl Default for Preferences {
             is_dark: true,
             recent: Vec::new(),
             navigation: Navigation::default(),
+            live_crown: true,
             tour_was_seen: false,
         }
     }

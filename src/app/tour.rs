@@ -74,7 +74,9 @@ impl Tour {
                 self.start();
             }
         }
-        let Some(at) = self.at else { return };
+        let Some(at) = self.at.filter(|_| studio.question().is_none()) else {
+            return;
+        };
         let step = &STEPS[at];
         let mut next = Some(at);
         egui::Window::new("Tour")

@@ -46,6 +46,9 @@ impl Default for Mix {
     }
 }
 
+/// What can be done on the map.
+const MAP_HELP: &str = "Drag the point, or a corner to have one alone.";
+
 impl Mix {
     pub(super) fn show(&mut self, ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
         let settings = &studio.document().state().content().variation;
@@ -63,13 +66,9 @@ impl Mix {
                 self.map(ui, prepared, &mix, side, actions);
                 self.preview(ui, studio, side);
             });
-            ui.horizontal(|ui| {
-                ui.weak("Drag the point, or a corner to have one alone.");
-                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                    ui.checkbox(&mut self.shows_outline, "Outline")
-                        .on_hover_text("Draws the combined outline over the tree.");
-                });
-            });
+            ui.checkbox(&mut self.shows_outline, "Outline")
+                .on_hover_text("Draws the combined outline over the tree.");
+            ui.add(egui::Label::new(egui::RichText::new(MAP_HELP).weak()).wrap());
             let area = egui::ScrollArea::vertical().auto_shrink(false);
             area.show(ui, |ui| shares(ui, studio, &self.corners, &mix, actions));
         });

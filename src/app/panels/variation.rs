@@ -270,6 +270,8 @@ fn slider_row(ui: &mut Ui, name: &str, slider: Slider<'_>) -> egui::Response {
                 ui.label(name)
             },
         );
+        // What is left beside the number.
+        ui.spacing_mut().slider_width = (ui.available_width() - 64.0).clamp(48.0, 140.0);
         ui.add(slider).labelled_by(label.inner.id)
     })
     .inner

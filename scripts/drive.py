@@ -157,25 +157,27 @@ def drive(arguments, display, config, out, rows):
     wait_for(lambda: list(recovery.glob("*/document.boscage")), "an autosave", 40.0)
     rows.append(("change to autosave", f"{time.time() - begun:.0f} s"))
     studio.kill()
+    left = next(recovery.glob("*/document.boscage")).parent
 
     studio = Studio(arguments.program, display, config, [])
     studio.first_frame()
     settle(studio)
     studio.picture(out / "3-after-crash.png")
-    recover(studio, out)
+    recover(studio, left, out)
     rows.append(("recovered after SIGKILL", "yes"))
     studio.kill()
 
 
-def recover(studio, out):
-    """Clicks "Recover" on the start screen: the first button of its row."""
-    count = len(studio.frames)
+def recover(studio, left, out):
+    """Clicks "Recover" on the start screen, wherever it is; then the old autosave goes."""
     for y in range(400, 520, 8):
         studio.hand("mousemove", 500, y, "click", 1)
-        time.sleep(0.2)
+        time.sleep(0.5)
+        if not left.exists():
+            break
+    wait_for(lambda: not left.exists(), "the recovery", 10.0)
     settle(studio)
     studio.picture(out / "4-recovered.png")
-    wait_for(lambda: len(studio.frames) > count, "a frame after recovering")
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@ use super::vary_jobs::VaryOutcome;
 use crate::base::{Progress, Seed, with_threads};
 use crate::batch::export::{Export, ExportSettings};
 use crate::batch::export_crown::CrownExportSettings;
-use crate::batch::export_tree::BlockName;
+use crate::batch::export_tree::{BlockName, ModelTextures};
 use crate::batch::failure::Failure;
 use crate::batch::output::{Output, Policy};
 use crate::batch::run::{Run, Shard};
@@ -128,6 +128,7 @@ impl ExportChoice {
             planes: 3,
             maps,
             textures,
+            model_textures: ModelTextures::Png,
             blocks: BlockName::default().format(),
             atlas: self.has_atlas,
             atlas_tree: 256,

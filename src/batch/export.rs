@@ -4,7 +4,9 @@
 use super::export_crown::CrownExportSettings;
 use super::export_pages::{write_atlas, write_flightgear};
 use super::export_shared::{Files, SAMPLES, shared_files, write_library, write_scene};
-use super::export_tree::{ExportMap, ExportedTree, Sample, TextureForm, export_tree, tree_files};
+use super::export_tree::{
+    ExportMap, ExportedTree, ModelTextures, Sample, TextureForm, export_tree, tree_files,
+};
 use super::failure::Failure;
 use super::items;
 use super::records::TreeRecord;
@@ -24,6 +26,7 @@ pub(crate) struct ExportSettings {
     pub(crate) planes: u32,
     pub(crate) maps: Vec<ExportMap>,
     pub(crate) textures: Vec<TextureForm>,
+    pub(crate) model_textures: ModelTextures,
     pub(crate) blocks: BlockFormat,
     pub(crate) atlas: bool,
     pub(crate) atlas_tree: u32,

@@ -2,6 +2,7 @@
 
 use super::export::ExportSettings;
 use super::export_shared::{Files, SAMPLES, shared_files, write_library, write_scene};
+use super::export_tree::ModelTextures;
 use super::failure::Failure;
 use super::input::read_crown_and_record;
 use super::items;
@@ -226,9 +227,9 @@ impl CrownExport<'_> {
         let is_ready = session.output.is_ready(&last, made_from)
             && files.values().all(|file| out.join(file).is_file());
         let seed = Seed(session.seed);
-        let leaves = leaf_model(&crown, name, settings.crowns.leaves.shape(), seed);
+        let mut leaves = leaf_model(&crown, name, settings.crowns.leaves.shape(), seed);
         session.cancel.check()?;
-        let surface = surface_model(&crown, &format!("{name}_surface"));
+        let mut surface = surface_model(&crown, &format!("{name}_surface"));
         session.cancel.check()?;
         if !is_ready {
             session.output.outdate(&last)?;
@@ -245,15 +246,22 @@ impl CrownExport<'_> {
             impostors.push(wanted.record(&leaves));
         }
         if !is_ready {
-            let model = self.glb(&leaves)?;
-            self.write(&files["model"], &model, session)?;
-            self.write(&files["surface"], &self.glb(&surface)?, session)?;
             if let (Some(script), Some(picture)) = (files.get("gallery"), files.get("thumbnail")) {
+                // Its page reads PNG alone.
+                let model = self.glb(&leaves)?;
                 self.write(script, gallery_crown(name, &model).as_bytes(), session)?;
                 let portrait = portrait(&leaves, THUMBNAIL_PX, session.cancel)?;
                 let png = encode_png(&portrait, Compression::Small);
                 self.write(picture, &png, session)?;
             }
+        }
+        if settings.model_textures == ModelTextures::Basisu {
+            leaves.pack_pictures(session.cancel)?;
+            surface.pack_pictures(session.cancel)?;
+        }
+        if !is_ready {
+            self.write(&files["model"], &self.glb(&leaves)?, session)?;
+            self.write(&files["surface"], &self.glb(&surface)?, session)?;
             self.write_exr(&crown, &files, session)?;
             self.write_cubemaps(&crown, &record, &files, made_from, session)?;
         }
@@ -381,8 +389,12 @@ impl CrownExport<'_> {
     fn recipe(&self, name: &str, crown: Digest, session: &Run<'_>) -> Digest {
         let settings = self.settings;
         let told = format!(
-            "{name} {:?} {:?} {:?} {:?}",
-            settings.preset, settings.crowns, settings.wind, settings.rights
+            "{name} {:?} {:?} {:?} {:?} {:?}",
+            settings.preset,
+            settings.crowns,
+            settings.model_textures,
+            settings.wind,
+            settings.rights
         );
         recipe("export crown")
             .with(crown.bytes())

@@ -134,12 +134,11 @@ fn write_page(
         PageContent::Data => encode_opaque_png(image, Compression::Fast),
     };
     write("png", &png)?;
-    let of_form = |form: &TextureForm| match form {
-        TextureForm::Png => None,
-        TextureForm::Dds => Some(("dds", *form)),
-        TextureForm::Ktx2 => Some(("ktx2", *form)),
-    };
-    let others: Vec<_> = settings.textures.iter().filter_map(of_form).collect();
+    let others = settings
+        .textures
+        .iter()
+        .filter(|&&form| form != TextureForm::Png);
+    let others: Vec<_> = others.map(|form| (form.suffix().1, *form)).collect();
     if others.is_empty() {
         return Ok(());
     }

@@ -94,8 +94,32 @@ pub enum TextureForm {
     Png,
     /// DDS with all mip levels
     Dds,
-    /// KTX2, BC7 packed by Zstandard, with all mip levels; not BasisU, so not for glTF
+    /// KTX2 of BC7 with all mip levels, for desktops
     Ktx2,
+    /// KTX2 of UASTC (Basis Universal) with all mip levels, for all cards
+    Uastc,
+}
+
+impl TextureForm {
+    /// What the form adds to the name of a map in `library.json`, and the ending of its files.
+    pub(crate) fn suffix(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Png => ("", "png"),
+            Self::Dds => ("_dds", "dds"),
+            Self::Ktx2 => ("_ktx2", "ktx2"),
+            Self::Uastc => ("_uastc", "uastc.ktx2"),
+        }
+    }
+}
+
+/// What the pictures inside models are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum ModelTextures {
+    /// PNG, which everybody reads
+    #[default]
+    Png,
+    /// UASTC with all mip levels, which stays packed on the card (`KHR_texture_basisu`)
+    Basisu,
 }
 
 /// A tree that was exported.
@@ -110,21 +134,27 @@ pub(crate) struct Sample {
     pub(crate) name: String,
     pub(crate) sprite: Sprite,
     pub(crate) cutout: Cutout,
+    /// Its pictures as PNG files, by map.
     pub(crate) pngs: BTreeMap<&'static str, Vec<u8>>,
+    /// The same as KTX2 files, where models hold such.
+    pub(crate) packed: BTreeMap<&'static str, Vec<u8>>,
 }
 
 impl Sample {
     /// The tree as a model with the levels of `settings`.
     pub(crate) fn model<'a>(&'a self, lods: &'a [crate::export::Lod]) -> TreeModel<'a> {
-        let png = |map: &str| self.pngs.get(map).map(Vec::as_slice);
+        let file = |map: &str| {
+            let file = self.packed.get(map).or_else(|| self.pngs.get(map));
+            file.map(Vec::as_slice)
+        };
         TreeModel {
             name: &self.name,
             sprite: &self.sprite,
             cutout: &self.cutout,
             material: Material {
-                albedo: png("albedo"),
-                normal: png("normal"),
-                occlusion: png("ao"),
+                albedo: file("albedo"),
+                normal: file("normal"),
+                occlusion: file("ao"),
                 is_solid: false,
                 ..Material::white(&self.name)
             },
@@ -139,12 +169,9 @@ pub(crate) fn tree_files(settings: &ExportSettings, name: &str) -> BTreeMap<Stri
     let style = settings.preset.style();
     for map in settings.map_names() {
         for form in &settings.textures {
-            let (key, ending) = match form {
-                TextureForm::Png => (map.to_owned(), "png"),
-                TextureForm::Dds => (format!("{map}_dds"), "dds"),
-                TextureForm::Ktx2 => (format!("{map}_ktx2"), "ktx2"),
-            };
-            files.insert(key, format!("textures/{}.{ending}", style.file(name, map)));
+            let (suffix, ending) = form.suffix();
+            let file = format!("textures/{}.{ending}", style.file(name, map));
+            files.insert(format!("{map}{suffix}"), file);
         }
     }
     if settings.preset.has_models() {
@@ -205,6 +232,7 @@ pub(crate) fn export_tree(
         sprite,
         cutout: cut,
         pngs,
+        packed: packed(settings, &images, session)?,
     };
     if !is_ready {
         session.output.outdate(&albedo)?;
@@ -259,6 +287,41 @@ fn pictures(
     Ok(pictures)
 }
 
+/// The pictures of models as KTX2 files by map, if models hold such.
+fn packed(
+    settings: &ExportSettings,
+    images: &[(&'static str, Picture)],
+    session: &Run<'_>,
+) -> Result<BTreeMap<&'static str, Vec<u8>>, Failure> {
+    if settings.model_textures == ModelTextures::Png || !settings.preset.has_models() {
+        return Ok(BTreeMap::new());
+    }
+    /// What a material of glTF takes.
+    const IN_MODELS: [&str; 3] = ["albedo", "normal", "ao"];
+    let inside = images.iter().filter(|(map, _)| IN_MODELS.contains(map));
+    inside
+        .map(|(map, image)| {
+            let levels = map_levels(map, &image.texels(), session)?;
+            let blocks = CompressedLevels::of(&levels, BlockFormat::Uastc, session.cancel)?;
+            let file = encode_ktx2(&blocks, *map == "albedo", session.cancel)?;
+            Ok((*map, file))
+        })
+        .collect()
+}
+
+/// All mip levels of a map.
+fn map_levels(
+    map: &str,
+    texels: &Image<Straight>,
+    session: &Run<'_>,
+) -> Result<Vec<Image<Straight>>, Failure> {
+    Ok(match map {
+        "albedo" => mips(texels, &[], session.cancel)?,
+        "normal" => normal_mips(texels, session.cancel)?,
+        _ => data_mips(texels, session.cancel)?,
+    })
+}
+
 /// All texture files but the colour PNG.
 fn write_textures(
     settings: &ExportSettings,
@@ -277,28 +340,17 @@ fn write_textures(
             }
         }
         let image = loose.as_ref().unwrap_or(image);
-        let (dds, ktx2) = (
-            files.get(&format!("{map}_dds")),
-            files.get(&format!("{map}_ktx2")),
-        );
-        if dds.is_none() && ktx2.is_none() {
+        let others = settings.textures.iter().filter_map(|&form| {
+            let is_other = form != TextureForm::Png;
+            let file = files.get(&format!("{map}{}", form.suffix().0))?;
+            is_other.then_some((file.as_str(), form))
+        });
+        let forms: Vec<_> = others.collect();
+        if forms.is_empty() {
             continue;
         }
-        let texels = image.texels();
-        let levels = match *map {
-            "albedo" => mips(&texels, &[], session.cancel)?,
-            "normal" => normal_mips(&texels, session.cancel)?,
-            _ => data_mips(&texels, session.cancel)?,
-        };
-        let srgb = *map == "albedo";
-        let forms = [
-            (dds.map(String::as_str), TextureForm::Dds),
-            (ktx2.map(String::as_str), TextureForm::Ktx2),
-        ];
-        let forms = forms
-            .iter()
-            .filter_map(|(file, form)| Some(((*file)?, *form)));
-        let textures = encoded_textures(settings, &levels, srgb, forms.collect(), session)?;
+        let levels = map_levels(map, &image.texels(), session)?;
+        let textures = encoded_textures(settings, &levels, *map == "albedo", forms, session)?;
         for (file, bytes) in textures {
             session.output.write(&settings.out.join(file), &bytes)?;
         }
@@ -322,6 +374,7 @@ pub(crate) fn encoded_textures<N>(
             TextureForm::Png => continue,
             TextureForm::Dds => settings.blocks,
             TextureForm::Ktx2 => BlockFormat::Bc7,
+            TextureForm::Uastc => BlockFormat::Uastc,
         };
         let at = match ready.iter().position(|blocks| blocks.format() == format) {
             Some(at) => at,
@@ -331,8 +384,8 @@ pub(crate) fn encoded_textures<N>(
             }
         };
         let bytes = match form {
-            TextureForm::Ktx2 => encode_ktx2(&ready[at], srgb, session.cancel)?,
-            _ => encode_dds(&ready[at], srgb),
+            TextureForm::Dds => encode_dds(&ready[at], srgb),
+            _ => encode_ktx2(&ready[at], srgb, session.cancel)?,
         };
         out.push((name, bytes));
     }
@@ -398,11 +451,12 @@ impl ExportSettings {
     /// The digest of all that a tree's files are made from.
     fn recipe(&self, tree: &TreeRecord, picture: Digest) -> Digest {
         let settings = format!(
-            "{:?} {:?} {:?} {:?} {:?} {} {:?} {:?}",
+            "{:?} {:?} {:?} {:?} {:?} {:?} {} {:?} {:?}",
             self.preset,
             self.sprite,
             self.maps,
             self.textures,
+            self.model_textures,
             self.blocks,
             self.planes,
             self.wind,

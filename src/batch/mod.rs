@@ -24,5 +24,5 @@ pub(crate) mod sheets;
 mod stamp;
 pub(crate) mod vary;
 
-pub use export_tree::{ExportMap, TextureForm};
+pub use export_tree::{ExportMap, ModelTextures, TextureForm};
 pub use vary::MapName;

@@ -8,7 +8,7 @@ use crate::batch::export::{Export, ExportSettings, check_trees};
 use crate::batch::export_crown::{
     CrownExport, CrownExportSettings, ImpostorName, LeafName, crown_folders,
 };
-use crate::batch::export_tree::{BlockName, ExportMap, TextureForm};
+use crate::batch::export_tree::{BlockName, ExportMap, ModelTextures, TextureForm};
 use crate::export::{LicenseRecord, Preset, SpriteSettings, WindChannels};
 use clap::{Args, ValueEnum};
 use serde_json::json;
@@ -52,6 +52,9 @@ pub(super) struct Flags {
     /// Forms of texture files, separated by commas; PNG is always written
     #[arg(long, value_enum, value_delimiter = ',', default_values_t = [TextureForm::Png], value_name = "FORMS")]
     textures: Vec<TextureForm>,
+    /// Pictures inside models
+    #[arg(long, value_enum, default_value_t, value_name = "FORM")]
+    model_textures: ModelTextures,
     /// Block format of DDS files
     #[arg(long, value_enum, default_value_t, value_name = "FORMAT")]
     blocks: BlockName,
@@ -208,6 +211,7 @@ impl Flags {
             planes: self.planes,
             maps,
             textures,
+            model_textures: self.model_textures,
             blocks: self.blocks.format(),
             atlas: self.atlas,
             atlas_tree: self.atlas_tree,

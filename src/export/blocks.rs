@@ -1,8 +1,10 @@
-//! Block compression: 4×4 texels in 16 bytes, BC3 or BC7, as graphics cards read them.
+//! Block compression: 4×4 texels in 16 bytes: BC3 or BC7, as graphics cards read them, or UASTC.
 //!
-//! The encoder is `block_compression`, a port of Intel's ISPC texture compressor to plain Rust.
+//! The encoder of the former is `block_compression`, a port of Intel's ISPC texture compressor to
+//! plain Rust; that of the latter is ours.
 //! Sides that are no multiples of 4 (the last mip levels) are continued by their last texel.
 
+use super::uastc;
 use crate::base::{Cancel, Cancelled};
 use crate::raster::{Image, Straight};
 use block_compression::encode::compress_rgba8;
@@ -16,6 +18,8 @@ pub enum BlockFormat {
     Bc3,
     /// Better colours and sharper alpha; cards since 2010.
     Bc7,
+    /// What readers turn into the blocks that their card knows; for KTX2 files alone.
+    Uastc,
 }
 
 /// All mip levels of a texture as blocks: encoded once, for all files that hold them.
@@ -24,6 +28,8 @@ pub struct CompressedLevels {
     pub(super) format: BlockFormat,
     /// Width and height of the first level, in texels.
     pub(super) size: [u32; 2],
+    /// Whether any texel of the first level is not solid.
+    pub(super) has_alpha: bool,
     /// Blocks of each level, row by row, the largest level first.
     pub(super) levels: Vec<Vec<u8>>,
 }
@@ -48,6 +54,7 @@ impl CompressedLevels {
         Ok(Self {
             format,
             size: [levels[0].width(), levels[0].height()],
+            has_alpha: levels[0].pixels().iter().any(|p| p.alpha() < u8::MAX),
             levels: blocks,
         })
     }
@@ -89,16 +96,32 @@ pub fn compressed(
             cancel.check()?;
             let rows = (texels.len() / width as usize) as u32;
             let bytes = bytemuck::cast_slice(texels);
-            compress_rgba8(variant(format), bytes, blocks, width, rows, width * 4);
+            match variant(format) {
+                Some(variant) => compress_rgba8(variant, bytes, blocks, width, rows, width * 4),
+                None => uastc_rows(texels, width as usize, blocks),
+            }
             Ok(())
         })?;
     Ok(blocks)
 }
 
-fn variant(format: BlockFormat) -> CompressionVariant {
+/// The library's name of a format that it knows.
+fn variant(format: BlockFormat) -> Option<CompressionVariant> {
     match format {
-        BlockFormat::Bc3 => CompressionVariant::BC3,
-        BlockFormat::Bc7 => CompressionVariant::BC7(BC7Settings::alpha_ultrafast()),
+        BlockFormat::Bc3 => Some(CompressionVariant::BC3),
+        BlockFormat::Bc7 => Some(CompressionVariant::BC7(BC7Settings::alpha_ultrafast())),
+        BlockFormat::Uastc => None,
+    }
+}
+
+/// Rows of texels as rows of UASTC blocks.
+fn uastc_rows(texels: &[Straight], width: usize, blocks: &mut [u8]) {
+    let columns = width / 4;
+    let places = blocks.chunks_exact_mut(uastc::BLOCK_BYTES).enumerate();
+    for (at, place) in places {
+        let first = at / columns * 4 * width + at % columns * 4;
+        let block = std::array::from_fn(|i| texels[first + i / 4 * width + i % 4]);
+        place.copy_from_slice(&uastc::block(&block));
     }
 }
 
@@ -120,7 +143,8 @@ mod tests {
                 let (w, h) = (width.next_multiple_of(4), height.next_multiple_of(4));
                 assert_eq!(blocks.len(), (w * h) as usize);
                 let mut back = vec![0; (w * h * 4) as usize];
-                decompress_blocks_as_rgba8(variant(format), w, h, &blocks, &mut back);
+                let variant = variant(format).unwrap();
+                decompress_blocks_as_rgba8(variant, w, h, &blocks, &mut back);
                 for y in 0..height {
                     for x in 0..width {
                         let at = ((y * w + x) * 4) as usize;

@@ -6,13 +6,16 @@
 //! the one before.
 
 use super::atlas::{AtlasLayout, atlas};
+use super::blocks::{BlockFormat, CompressedLevels};
 use super::crown_mesh::divided;
 use super::glb::{Glb, Material, MeshId};
+use super::ktx2_file::encode_ktx2;
 use super::leaf_cards::{LeafCards, averaged};
 use super::lod_model::{LodModel, WindChannels};
+use super::mips::{data_mips, mips};
 use super::model_mesh::ModelMesh;
 use super::stem::{Stand, bark_picture, stem};
-use crate::base::Seed;
+use crate::base::{Cancel, Cancelled, Seed};
 use crate::branches::sprite::LeafShape;
 use crate::crown::cube_sphere;
 use crate::raster::{Compression, Cubemap, Image, Straight, encode_png};
@@ -45,6 +48,8 @@ pub struct ModelMaterial {
     pub name: &'static str,
     /// Its colours.
     pub picture: Image<Straight>,
+    /// The same as a KTX2 file of UASTC, once [`CrownModel::pack_pictures`] made it.
+    pub packed: Option<Vec<u8>>,
     /// Whether it is drawn without an alpha test.
     pub is_solid: bool,
 }
@@ -109,6 +114,7 @@ pub fn leaf_model(crown: &Crown, name: &str, shape: LeafShape, seed: Seed) -> Cr
             ModelMaterial {
                 name: "leaves",
                 picture: leaves.picture,
+                packed: None,
                 is_solid: false,
             },
             solid("core", atlas(&dark)),
@@ -121,6 +127,7 @@ fn solid(name: &'static str, picture: Image<Straight>) -> ModelMaterial {
     ModelMaterial {
         name,
         picture,
+        packed: None,
         is_solid: true,
     }
 }
@@ -158,6 +165,28 @@ fn surface(
 }
 
 impl CrownModel {
+    /// Makes the pictures of files UASTC instead of PNG (`KHR_texture_basisu`). Pictures whose sides
+    /// are no multiples of 4, which that extension refuses, stay PNG.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn pack_pictures(&mut self, cancel: &Cancel) -> Result<(), Cancelled> {
+        for material in &mut self.materials {
+            let picture = &material.picture;
+            if !picture.width().is_multiple_of(4) || !picture.height().is_multiple_of(4) {
+                continue;
+            }
+            let levels = if material.is_solid {
+                data_mips(picture, cancel)?
+            } else {
+                mips(picture, &[], cancel)?
+            };
+            let blocks = CompressedLevels::of(&levels, BlockFormat::Uastc, cancel)?;
+            material.packed = Some(encode_ktx2(&blocks, true, cancel)?);
+        }
+        Ok(())
+    }
+
     /// Triangles of each level.
     pub fn triangles(&self) -> Vec<usize> {
         let of = |level: &Vec<(usize, ModelMesh)>| {
@@ -190,9 +219,12 @@ impl LodModel for CrownModel {
 
     fn add_materials(&self, glb: &mut Glb) -> Vec<usize> {
         let add = |material: &ModelMaterial| {
-            let png = encode_png(&material.picture, Compression::Small);
+            let file = match &material.packed {
+                Some(packed) => packed.clone(),
+                None => encode_png(&material.picture, Compression::Small),
+            };
             glb.material(&Material {
-                albedo: Some(&png),
+                albedo: Some(&file),
                 is_solid: material.is_solid,
                 ..Material::white(&format!("{}_{}", self.name, material.name))
             })

@@ -15,6 +15,9 @@ const CAPS: u32 = 0x1000 | 0x8 | 0x40_0000;
 const DXGI_BC7: u32 = 98;
 
 /// `texture` as a DDS file; `srgb` says whether its values are colours.
+///
+/// # Panics
+/// For UASTC, which the format does not know.
 pub fn encode_dds(texture: &CompressedLevels, srgb: bool) -> Vec<u8> {
     let [width, height] = texture.size;
     let blocks = width.div_ceil(4) * height.div_ceil(4);
@@ -25,6 +28,7 @@ pub fn encode_dds(texture: &CompressedLevels, srgb: bool) -> Vec<u8> {
     let code = match texture.format {
         BlockFormat::Bc3 => b"DXT5",
         BlockFormat::Bc7 => b"DX10",
+        BlockFormat::Uastc => panic!("there is no UASTC in DDS files"),
     };
     header.extend([32, 0x4, u32::from_le_bytes(*code), 0, 0, 0, 0, 0]);
     header.extend([CAPS, 0, 0, 0, 0]);

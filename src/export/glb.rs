@@ -22,6 +22,9 @@ const LINEAR: u32 = 9729;
 const TRILINEAR: u32 = 9987;
 const CLAMP: u32 = 33071;
 
+/// How KTX2 files start.
+const KTX2_START: [u8; 12] = *b"\xabKTX 20\xbb\r\n\x1a\n";
+
 /// A mesh of a [`Glb`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct MeshId(usize);
@@ -37,11 +40,11 @@ pub struct Material<'a> {
     pub name: &'a str,
     /// Linear colour and alpha that the picture is multiplied by.
     pub color: [f32; 4],
-    /// Colour and alpha, a PNG file.
+    /// Colour and alpha, a PNG file or a KTX2 file of UASTC; so are all pictures.
     pub albedo: Option<&'a [u8]>,
-    /// Normal map with Y+, a PNG file.
+    /// Normal map with Y+.
     pub normal: Option<&'a [u8]>,
-    /// Ambient occlusion in its red channel, a PNG file.
+    /// Ambient occlusion in its red channel.
     pub occlusion: Option<&'a [u8]>,
     /// Whether alpha means nothing; otherwise the material is a cut-out: alpha test at 0.5.
     pub is_solid: bool,
@@ -141,13 +144,13 @@ impl Glb {
 
     /// Adds a material; the answer goes to [`Glb::mesh`].
     pub fn material(&mut self, material: &Material<'_>) -> usize {
-        let mut texture = |map: &str, png: &[u8]| {
+        let mut texture = |map: &str, file: &[u8]| {
             let name = format!("{}_{map}", material.name);
-            self.texture(&name, png)
+            self.texture(&name, file)
         };
-        let albedo = material.albedo.map(|png| texture("albedo", png));
-        let normal = material.normal.map(|png| texture("normal", png));
-        let occlusion = material.occlusion.map(|png| texture("ao", png));
+        let albedo = material.albedo.map(|file| texture("albedo", file));
+        let normal = material.normal.map(|file| texture("normal", file));
+        let occlusion = material.occlusion.map(|file| texture("ao", file));
         let mut value = json!({
             "name": material.name,
             "pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 0.9},
@@ -358,12 +361,21 @@ impl Glb {
         }
     }
 
-    fn texture(&mut self, name: &str, png: &[u8]) -> usize {
-        let view = self.view(png, None);
+    fn texture(&mut self, name: &str, file: &[u8]) -> usize {
+        let view = self.view(file, None);
+        let image = self.images.len();
+        let is_ktx2 = file.starts_with(&KTX2_START);
+        let kind = if is_ktx2 { "image/ktx2" } else { "image/png" };
         self.images
-            .push(json!({"name": name, "mimeType": "image/png", "bufferView": view}));
-        self.textures
-            .push(json!({"name": name, "sampler": 0, "source": self.images.len() - 1}));
+            .push(json!({"name": name, "mimeType": kind, "bufferView": view}));
+        let texture = if is_ktx2 {
+            const BASISU: &str = "KHR_texture_basisu";
+            self.requires(BASISU);
+            json!({"name": name, "sampler": 0, "extensions": {BASISU: {"source": image}}})
+        } else {
+            json!({"name": name, "sampler": 0, "source": image})
+        };
+        self.textures.push(texture);
         self.textures.len() - 1
     }
 

@@ -486,6 +486,7 @@ mod tests {
             materials: vec![ModelMaterial {
                 name: "card",
                 picture: Image::from_pixels(2, 1, vec![green, red]),
+                packed: None,
                 is_solid: true,
             }],
             levels: vec![vec![(0, mesh)]],

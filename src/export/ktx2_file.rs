@@ -1,24 +1,28 @@
-//! KTX2 textures, each level packed by Zstandard: pictures as BC7 (or BC3) blocks with all mip levels, and
-//! cubemaps of colours (8-bit sRGB, all mip levels) and of radii (32-bit floats, one level).
+//! KTX2 textures, each level packed by Zstandard: pictures as BC7, BC3 or UASTC blocks with all mip
+//! levels, and cubemaps of colours (8-bit sRGB, all mip levels) and of radii (32-bit floats, one level).
 //!
 //! Cubemaps are not in blocks, so that web pages and phones read them as well, and radii exactly.
 //! Faces are in the order of the format, +X −X +Y −Y +Z −Z, which is ours.
 //!
-//! Why not BasisU (ETC1S, UASTC): the only encoder is a C++ library, and the project builds with
-//! Rust alone. BC7 with supercompression is what the format offers beside it: larger files than
-//! ETC1S, better pictures than both, no transcoding; but only for cards that read BC7 (desktops),
-//! and not inside glTF, whose `KHR_texture_basisu` takes nothing but BasisU. The packer is `ruzstd`
-//! (plain Rust), at its one level.
+//! BC7 is for cards that read it (desktops): the best pictures, no transcoding. UASTC is for all
+//! others and for glTF, whose `KHR_texture_basisu` takes nothing but the Basis Universal family. The other
+//! member of that, ETC1S, has smaller files and worse pictures; its one encoder is a C++ library,
+//! and the project builds with Rust alone. The packer is `ruzstd` (plain Rust), at its one level.
 //!
 //! Rows run down and columns to the right (`KTXorientation` `rd`); alpha is straight.
 
 use super::blocks::{BlockFormat, CompressedLevels};
 use super::mips::data_mips;
+use super::uastc;
 use crate::base::{Cancel, Cancelled};
 use crate::raster::{Cubemap, Image, Straight};
-use ktx2::{Format, Header, Index, LevelIndex, SupercompressionScheme, dfd};
+use ktx2::{
+    ColorModel, ColorPrimaries, Format, Header, Index, LevelIndex, SupercompressionScheme,
+    TransferFunction, dfd,
+};
 use rayon::prelude::*;
 use ruzstd::encoding::{CompressionLevel, compress_to_vec};
+use std::num::NonZeroU8;
 
 /// `texture` as a KTX2 file; `srgb` says whether its values are colours.
 ///
@@ -38,10 +42,14 @@ pub fn encode_ktx2(
         })
         .collect::<Result<_, Cancelled>>()?;
     let format = match (texture.format, srgb) {
-        (BlockFormat::Bc3, false) => Format::BC3_UNORM_BLOCK,
-        (BlockFormat::Bc3, true) => Format::BC3_SRGB_BLOCK,
-        (BlockFormat::Bc7, false) => Format::BC7_UNORM_BLOCK,
-        (BlockFormat::Bc7, true) => Format::BC7_SRGB_BLOCK,
+        (BlockFormat::Bc3, false) => Texels::Of(Format::BC3_UNORM_BLOCK),
+        (BlockFormat::Bc3, true) => Texels::Of(Format::BC3_SRGB_BLOCK),
+        (BlockFormat::Bc7, false) => Texels::Of(Format::BC7_UNORM_BLOCK),
+        (BlockFormat::Bc7, true) => Texels::Of(Format::BC7_SRGB_BLOCK),
+        (BlockFormat::Uastc, srgb) => Texels::Uastc {
+            srgb,
+            has_alpha: texture.has_alpha,
+        },
     };
     let texture = Texture {
         format,
@@ -72,7 +80,7 @@ pub fn encode_ktx2_colors(map: &Cubemap<Straight>, cancel: &Cancel) -> Result<Ve
         })
         .collect();
     let texture = Texture {
-        format: Format::R8G8B8A8_SRGB,
+        format: Texels::Of(Format::R8G8B8A8_SRGB),
         type_size: 1,
         size: [map.size(); 2],
         faces: 6,
@@ -85,7 +93,7 @@ pub fn encode_ktx2_radii(map: &Cubemap<f32>) -> Vec<u8> {
     let texels = map.faces().iter().flat_map(|face| face.pixels());
     let bytes: Vec<u8> = texels.flat_map(|radius| radius.to_le_bytes()).collect();
     let texture = Texture {
-        format: Format::R32_SFLOAT,
+        format: Texels::Of(Format::R32_SFLOAT),
         type_size: 4,
         size: [map.size(); 2],
         faces: 6,
@@ -99,9 +107,18 @@ fn zstd(bytes: &[u8]) -> (u64, Vec<u8>) {
     (bytes.len() as u64, packed)
 }
 
+/// What the texels are.
+#[derive(Clone, Copy)]
+enum Texels {
+    /// Of a format that Vulkan has a number for.
+    Of(Format),
+    /// UASTC, which has none.
+    Uastc { srgb: bool, has_alpha: bool },
+}
+
 /// What a file holds.
 struct Texture {
-    format: Format,
+    format: Texels,
     /// Bytes of a number.
     type_size: u32,
     /// Width and height of the first level.
@@ -116,7 +133,10 @@ fn written(texture: &Texture, packed: &[(u64, Vec<u8>)]) -> Vec<u8> {
     let descriptor_at = Header::LENGTH + LevelIndex::LENGTH * packed.len();
     let keys_at = descriptor_at + descriptor.len();
     let header = Header {
-        format: Some(texture.format),
+        format: match texture.format {
+            Texels::Of(format) => Some(format),
+            Texels::Uastc { .. } => None,
+        },
         type_size: texture.type_size,
         pixel_width: texture.size[0],
         pixel_height: texture.size[1],
@@ -157,12 +177,46 @@ fn written(texture: &Texture, packed: &[(u64, Vec<u8>)]) -> Vec<u8> {
 }
 
 /// The data format descriptor, with its total length in front.
-fn descriptor(format: Format) -> Vec<u8> {
-    let (basic, _) = dfd::Basic::from_format(format)
-        .unwrap_or_else(|_| unreachable!("the crate knows all formats that are written here"));
+fn descriptor(format: Texels) -> Vec<u8> {
+    let basic = match format {
+        Texels::Of(format) => dfd::Basic::from_format(format)
+            .map(|(basic, _)| basic)
+            .unwrap_or_else(|_| unreachable!("the crate knows all formats that are written here")),
+        Texels::Uastc { srgb, has_alpha } => uastc_descriptor(srgb, has_alpha),
+    };
     let block = dfd::Block::Basic(basic).to_vec();
     let total = (block.len() + 4) as u32;
     [total.to_le_bytes().as_slice(), &block].concat()
+}
+
+/// What UASTC texels are.
+fn uastc_descriptor(srgb: bool, has_alpha: bool) -> dfd::Basic {
+    /// `KHR_DF_CHANNEL_UASTC_RGB` and `_RGBA`.
+    const CHANNELS: [u8; 2] = [0, 3];
+    const SIDE: NonZeroU8 = NonZeroU8::new(4).unwrap();
+    const BITS: NonZeroU8 = NonZeroU8::new(8 * uastc::BLOCK_BYTES as u8).unwrap();
+    let sample = dfd::SampleInformation {
+        bit_offset: 0,
+        bit_length: BITS,
+        channel_type: CHANNELS[usize::from(has_alpha)],
+        channel_type_qualifiers: dfd::ChannelTypeQualifiers::empty(),
+        sample_positions: [0; 4],
+        lower: 0,
+        upper: u32::MAX,
+    };
+    dfd::Basic {
+        color_model: Some(ColorModel::UASTC),
+        color_primaries: Some(ColorPrimaries::BT709),
+        transfer_function: Some(if srgb {
+            TransferFunction::SRGB
+        } else {
+            TransferFunction::Linear
+        }),
+        flags: dfd::DataFormatFlags::empty(),
+        texel_block_dimensions: [SIDE, SIDE, NonZeroU8::MIN, NonZeroU8::MIN],
+        bytes_planes: [uastc::BLOCK_BYTES as u8, 0, 0, 0, 0, 0, 0, 0],
+        sample_information: vec![sample],
+    }
 }
 
 /// Keys and values, sorted by key, each padded to 4 bytes.

@@ -40,6 +40,7 @@ mod sprite_atlas;
 mod stem;
 mod tree_model;
 mod twig_outline;
+mod uastc;
 
 pub use atlas::{AtlasLayout, atlas};
 pub use atlas_json::{AtlasSprite, atlas_json_array, atlas_json_hash};

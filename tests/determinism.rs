@@ -10,6 +10,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+mod exported;
+
 use boscage::base::{Digest, Hasher};
 use boscage::branches::samples;
 use std::collections::BTreeMap;
@@ -18,12 +20,12 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Trees of the built-in samples that stand in for a user's.
-const TREES: [usize; 4] = [0, 3, 6, 9];
+const TREES: [&str; 4] = ["oak", "pine", "birch", "maple_autumn"];
 
 /// What is run, one after the other; results of one are inputs of others. The first word is the name
 /// in the table and where the results go, with the ending that it has.
 const COMMANDS: [&str; 21] = [
-    "labels segment trees/a.png trees/b.png",
+    "labels segment trees/a.png trees/b.png --segmenter classical",
     "inspected inspect trees/a.png --size 256 --dump inspected",
     "warped.png warp trees/a.png --from from.json --to to.json --size 160 200",
     "exact.png warp trees/a.png --from from.json --to to.json --size 80 100 --exact",
@@ -32,14 +34,14 @@ const COMMANDS: [&str; 21] = [
     "blended vary --library trees --size 128 --count 2 --target trees/b.png --colors blend --mix 3",
     "like vary --library trees --size 128 --count 2 --like trees/c.png --sheet like/sheet.png",
     "morph morph trees/a.png trees/b.png --steps 3 --size 128",
-    "table.png table --library trees --size 96",
+    "table.png table --library trees --kind contours",
     "body.obj inflate mask.png --k 1+2*j --size 64",
     "radial.obj inflate mask.png --method radial --size 48",
     "distance.obj inflate mask.png --method distance --size 48",
     "body.glb inflate mask.png --size 48 --copies 3",
-    "leaves.png synthesize trees/a.png --mask mask.png --width 200 --height 120",
-    "cube cubemap trees/a.png --mask mask.png --size 48",
-    "crown crown trees/a.png --mask mask.png --size 48 --photo-front --k 2",
+    "leaves.png synthesize photo.png --mask mask.png --width 200 --height 120",
+    "cube cubemap photo.png --mask mask.png --size 48",
+    "crown crown photo.png --mask mask.png --size 48 --photo-front --k 2",
     "relief.png render crown --backend cpu --mode relief --size 96 96",
     "leaf.png render crown --backend cpu --mode leaves --size 96 96 --yaw 40",
     "web export new --preset web --atlas",
@@ -51,25 +53,19 @@ fn inputs() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
     fs::create_dir(at("trees")).unwrap();
-    for (name, index) in ["a", "b", "c", "d"].iter().zip(TREES) {
-        fs::write(at(&format!("trees/{name}.png")), samples()[index].bundled()).unwrap();
+    for (name, tree) in ["a", "b", "c", "d"].iter().zip(TREES) {
+        fs::write(at(&format!("trees/{name}.png")), bundled(tree)).unwrap();
     }
     let square = |inner: &str| format!("{{\"points\":[[0,0],[300,20],{inner},[400,500],[10,480]]}}");
     fs::write(at("from.json"), square("[500,250]")).unwrap();
     fs::write(at("to.json"), square("[390,260]")).unwrap();
-    fs::write(at("mask.png"), mask()).unwrap();
+    exported::write_crown_inputs(folder.path(), 1.2);
     folder
 }
 
-/// The first tree where it is opaque.
-fn mask() -> Vec<u8> {
-    use boscage::raster::{Compression, ReadLimits, encode_grey_png, read_image_from_memory};
-    let tree = samples()[TREES[0]].bundled();
-    let tree = read_image_from_memory(tree, Path::new("a.png"), ReadLimits::default()).unwrap();
-    encode_grey_png(
-        &tree.map(|pixel| if pixel.alpha() < 128 { 0 } else { 255 }),
-        Compression::Fast,
-    )
+fn bundled(name: &str) -> &'static [u8] {
+    let sample = samples().iter().find(|sample| sample.name() == name);
+    sample.unwrap().bundled()
 }
 
 /// Runs all commands with `more` arguments, and gives the digest of what each wrote.

@@ -5,7 +5,7 @@ that lie, paths that lead elsewhere, names in any script, pipes and devices wher
 usage: bad_files.py BOSCAGE [--corpus DIR] [--every N] [--memory-mb 2048] [--seconds 20] [--jobs 2]
 Each run must end in time and within the memory, without a signal; when it fails, with exit code 1 or 2, one
 line on stderr beside warnings, and nothing written. Prints a line a reader, and one for each failure."""
-import argparse, collections, concurrent.futures, json, os, re, resource, shutil, subprocess, sys, tempfile
+import argparse, collections, concurrent.futures, json, os, re, resource, shutil, struct, subprocess, sys, tempfile, zlib
 
 ODD = re.compile("[\x00-\x08\x0b-\x1f\x7f\u202a-\u202e]")
 
@@ -68,18 +68,36 @@ def tried(boscage, case, options):
     return done.returncode, None
 
 
+def picture(path, side, pixel):
+    """A PNG of side x side pixels, without any library: pixel(x, y) gives its channels."""
+    channels = len(pixel(0, 0))
+    rows = b"".join(b"\0" + bytes(v for x in range(side) for v in pixel(x, y)) for y in range(side))
+    chunk = lambda name, body: struct.pack(">I", len(body)) + name + body + struct.pack(">I", zlib.crc32(name + body))
+    header = struct.pack(">IIBBBBB", side, side, 8, {1: 0, 3: 2, 4: 6}[channels], 0, 0, 0)
+    open(path, "wb").write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(rows, 1)) + chunk(b"IEND", b""))
+
+
+def photo_and_mask(folder, side):
+    """A round crown of clumps on a blue sky, and its mask."""
+    inside = lambda x, y: (x - side / 2) ** 2 + (y - side / 2) ** 2 < (0.45 * side) ** 2
+    def leaf(x, y):
+        green = 60 + (x // 12 * 71 + y // 12 * 37) % 60 + (x * 7919 + y * 104729 + x * y * 31) % 50
+        return (green // 2, green, green // 4) if inside(x, y) else (120, 170, 250)
+    picture(folder + "/photo.png", side, leaf)
+    picture(folder + "/mask.png", side, lambda x, y: (255 * inside(x, y),))
+
+
 def prepared(boscage, folder):
     run = lambda *words: subprocess.run([boscage, *words], cwd=folder, check=True, capture_output=True)
     run("samples", "--bundled", "--out", "samples")
-    first, second = sorted(os.listdir(folder + "/samples"))[:2]
     os.mkdir(folder + "/trees")
-    for source, name in [(first, "a.png"), (second, "b.png")]:
+    for source, name in [("oak.png", "a.png"), ("pine.png", "b.png")]:
         shutil.copy(f"{folder}/samples/{source}", f"{folder}/trees/{name}")
-    run("segment", "trees/a.png", "--out", "labels")
+    photo_and_mask(folder, 128)
     run("vary", "--library", "trees", "--count", "2", "--size", "96", "--out", "new")
-    run("crown", "trees/a.png", "--mask", "labels/a.labels.png", "--size", "32", "--out", "crown")
+    run("crown", "photo.png", "--mask", "mask.png", "--size", "32", "--out", "crown")
     return {
-        "folder": folder, "photo": f"{folder}/trees/a.png", "mask": f"{folder}/labels/a.labels.png",
+        "folder": folder, "tree": f"{folder}/trees/a.png", "photo": f"{folder}/photo.png", "mask": f"{folder}/mask.png",
         "trees": f"{folder}/trees", "record": json.load(open(folder + "/new/library.json")),
         "new": f"{folder}/new", "crown": f"{folder}/crown",
     }
@@ -90,7 +108,7 @@ def readers(good, path):
     yield "inspect", ["inspect", path, "--size", "128", "--json"]
     yield "segment", ["segment", path, "--out", "{out}"]
     yield "warp", ["warp", path, "--from", "/nowhere.json", "--to", "/nowhere.json", "--out", "{out}/a.png"]
-    yield "recolor", ["recolor", good["photo"], "--like", path, "--size", "128", "--out", "{out}/a.png"]
+    yield "recolor", ["recolor", good["tree"], "--like", path, "--out", "{out}/a.png"]
     yield "inflate", ["inflate", path, "--size", "32", "--out", "{out}/a.obj"]
     yield "crown", ["crown", good["photo"], "--mask", path, "--size", "16", "--out", "{out}"]
     yield "synthesize", ["synthesize", path, "--mask", good["mask"], "--width", "32", "--height", "32", "--out", "{out}/a.png"]
@@ -125,7 +143,7 @@ def from_corpus(options, good):
 
 
 def text_readers(good, path):
-    yield "warp --from", ["warp", good["photo"], "--from", path, "--to", path, "--out", "{out}/a.png"]
+    yield "warp --from", ["warp", good["tree"], "--from", path, "--to", path, "--out", "{out}/a.png"]
     yield "inflate --profile", ["inflate", good["mask"], "--profile", path, "--size", "24", "--out", "{out}/a.obj"]
     yield "inflate --regions", ["inflate", good["mask"], "--regions", path, "--size", "24", "--out", "{out}/a.obj"]
     yield "vary --recipe", ["vary", "--recipe", path + "#tree_0000", "--library", good["trees"], "--out", "{out}"]
@@ -206,7 +224,7 @@ def deep_set(value, keys, new):
 def odd_files(folder, good):
     odd = folder + "/odd"
     os.makedirs(odd)
-    tree = open(good["photo"], "rb").read()
+    tree = open(good["tree"], "rb").read()
     names = ["дерево.png", "木.png", "شجرة.png", "e\u0301.png", "a b'\"$(x).png", "-rf.png", "\u202egnp.exe.png", "new\nline.png", "x" * 250 + ".png", "\ud83c\udf33.png".encode("utf-16", "surrogatepass").decode("utf-16")]
     for name in [*map(str.encode, names), b"\xff\xfe.png", b"caf\xe9.png"]:
         path = odd.encode() + b"/" + name

@@ -4,7 +4,7 @@ and one line, and by SIGKILL, after which --resume must make the bytes of a run 
 
 usage: cancel.py BOSCAGE [--times 10] [--only vary,crown] [--limit-ms 100]
 Prints a line a command: how often, how long it took to end, what was wrong."""
-import argparse, hashlib, os, random, shutil, signal, subprocess, sys, tempfile, time
+import argparse, hashlib, os, random, shutil, signal, struct, subprocess, sys, tempfile, time, zlib
 
 COMMANDS = {
     # name: (arguments, what it writes, whether --resume keeps what is done)
@@ -16,9 +16,9 @@ COMMANDS = {
     "warp": ("warp trees/a.png --from from.json --to to.json --size 900 900 --exact", "out.png"),
     "recolor": ("recolor trees/a.png --like trees/b.png", "out.png"),
     "inflate": ("inflate mask.png --size 1024 --k 1+2*j", "out.obj"),
-    "synthesize": ("synthesize trees/a.png --mask mask.png --width 1056 --height 320", "out.png"),
-    "cubemap": ("cubemap trees/a.png --mask mask.png --size 256", "out"),
-    "crown": ("crown trees/a.png --mask mask.png --photo-front", "out"),
+    "synthesize": ("synthesize photo.png --mask mask.png --width 1056 --height 320", "out.png"),
+    "cubemap": ("cubemap photo.png --mask mask.png --size 256", "out"),
+    "crown": ("crown photo.png --mask mask.png --photo-front", "out"),
     "render relief": ("render crown --backend cpu --mode relief --size 900 900", "out.png"),
     "render leaves": ("render crown --backend cpu --mode leaves --size 900 900", "out.png"),
     "export": ("export new --preset unreal --textures png,dds,ktx2 --maps normal,depth,ao --atlas", "out"),
@@ -47,21 +47,39 @@ def remove(path):
         os.remove(path)
 
 
+def picture(path, side, pixel):
+    """A PNG of side x side pixels, without any library: pixel(x, y) gives its channels."""
+    channels = len(pixel(0, 0))
+    rows = b"".join(b"\0" + bytes(v for x in range(side) for v in pixel(x, y)) for y in range(side))
+    chunk = lambda name, body: struct.pack(">I", len(body)) + name + body + struct.pack(">I", zlib.crc32(name + body))
+    header = struct.pack(">IIBBBBB", side, side, 8, {1: 0, 3: 2, 4: 6}[channels], 0, 0, 0)
+    open(path, "wb").write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(rows, 1)) + chunk(b"IEND", b""))
+
+
+def photo_and_mask(folder, side):
+    """A round crown of clumps on a blue sky, and its mask."""
+    inside = lambda x, y: (x - side / 2) ** 2 + (y - side / 2) ** 2 < (0.45 * side) ** 2
+    def leaf(x, y):
+        green = 60 + (x // 12 * 71 + y // 12 * 37) % 60 + (x * 7919 + y * 104729 + x * y * 31) % 50
+        return (green // 2, green, green // 4) if inside(x, y) else (120, 170, 250)
+    picture(folder + "/photo.png", side, leaf)
+    picture(folder + "/mask.png", side, lambda x, y: (255 * inside(x, y),))
+
+
 def prepared(boscage, folder):
     run = lambda text: subprocess.run([boscage, *text.split()], cwd=folder, check=True, capture_output=True)
     run("samples --bundled --out trees")
-    for name, file in zip("abcd", sorted(os.listdir(folder + "/trees"))):
-        os.rename(f"{folder}/trees/{file}", f"{folder}/trees/{name}.png")
+    for name, tree in zip("abcd", ["oak", "pine", "birch", "maple"]):
+        os.rename(f"{folder}/trees/{tree}.png", f"{folder}/trees/{name}.png")
     for file in os.listdir(folder + "/trees"):
         if len(file) > 5:
             os.remove(f"{folder}/trees/{file}")
-    run("segment trees/a.png --out labels")
-    os.rename(folder + "/labels/a.labels.png", folder + "/mask.png")
+    photo_and_mask(folder, 800)
     square = '{"points":[[0,0],[900,0],%s,[800,900],[0,900]]}'
     open(folder + "/from.json", "w").write(square % "[900,400]")
     open(folder + "/to.json", "w").write(square % "[700,450]")
     run("vary --library trees --count 4 --size 512 --out new")
-    run("crown trees/a.png --mask mask.png --size 128 --out crown")
+    run("crown photo.png --mask mask.png --size 128 --out crown")
 
 
 def main():

@@ -1,8 +1,11 @@
 //! Files: read behind a limit, written so that a reader sees the old content or the new, whole.
 
+use super::asking_for_memory;
+use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::io::{Read as _, Write as _};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// A file could not be read or written.
 #[derive(Debug, thiserror::Error)]
@@ -55,8 +58,7 @@ pub fn read_limited(path: &Path, limit_bytes: u64) -> Result<Vec<u8>, FileError>
         });
     }
     let mut bytes = Vec::new();
-    bytes
-        .try_reserve_exact(metadata.len() as usize)
+    asking_for_memory(|| bytes.try_reserve_exact(metadata.len() as usize))
         .map_err(|_| failed(std::io::ErrorKind::OutOfMemory.into()))?;
     // One byte more than allowed: a file that grows meanwhile is noticed.
     File::open(path)
@@ -85,6 +87,44 @@ pub fn changed_at(path: &Path) -> Option<std::time::SystemTime> {
 /// [`FileError::Write`].
 pub fn write_atomic(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
     Part::written(path, bytes)?.persist()
+}
+
+/// Makes the names in the folder of `path` survive a loss of power: until then a file that was
+/// written to the disk may still be found under its old name, or not at all.
+///
+/// # Errors
+/// [`FileError::Write`]; the file is there all the same. Folders that cannot be flushed (other
+/// systems, some network shares) are no error.
+pub fn sync_names(path: &Path) -> Result<(), FileError> {
+    #[cfg(unix)]
+    {
+        use std::io::ErrorKind;
+        let flushed = File::open(folder_of(path)).and_then(|folder| folder.sync_all());
+        return match flushed {
+            Err(error)
+                if !matches!(
+                    error.kind(),
+                    ErrorKind::InvalidInput | ErrorKind::Unsupported | ErrorKind::PermissionDenied
+                ) =>
+            {
+                Err(unwritten(path, error))
+            }
+            _ => Ok(()),
+        };
+    }
+    #[cfg(not(unix))]
+    {
+        let _ = path;
+        Ok(())
+    }
+}
+
+/// The folder that `path` lies in.
+pub fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    }
 }
 
 /// Writes `files` (path and content), making their folders where needed, all or nothing: no name
@@ -130,6 +170,43 @@ fn missing_folders<'a>(paths: impl Iterator<Item = &'a Path>) -> Vec<PathBuf> {
     missing
 }
 
+/// First and last letters of the hidden names that files have while they are written.
+const PART_BEGIN: &str = ".boscage-";
+const PART_END: &str = ".part";
+
+/// A part that was touched so recently may be somebody's who has not locked it yet.
+const PART_IS_FRESH: Duration = Duration::from_secs(10);
+
+/// Removes what processes that were killed left of files they were writing, in `folder` and, to
+/// `depth` levels, the folders in it. What cannot be read or removed stays.
+///
+/// A living process, on this machine or through a share that knows locks, keeps its files: it has
+/// them locked.
+pub fn remove_left_parts(folder: &Path, depth: usize) {
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let Ok(kind) = entry.file_type() else {
+            continue;
+        };
+        if kind.is_dir() && depth > 0 {
+            remove_left_parts(&entry.path(), depth - 1);
+        } else if kind.is_file() && is_part(&entry.file_name()) && is_left(&entry.path()) {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
+fn is_part(name: &OsStr) -> bool {
+    let name = name.as_encoded_bytes();
+    name.starts_with(PART_BEGIN.as_bytes()) && name.ends_with(PART_END.as_bytes())
+}
+
+/// Whether nobody writes the part `path` any more.
+fn is_left(path: &Path) -> bool {
+    let age = changed_at(path).and_then(|then| then.elapsed().ok());
+    age.is_some_and(|age| age > PART_IS_FRESH)
+        && File::open(path).is_ok_and(|file| file.try_lock().is_ok())
+}
+
 /// The bytes of a file on disk under a hidden name, which goes when it is dropped.
 struct Part<'a> {
     path: &'a Path,
@@ -139,13 +216,10 @@ struct Part<'a> {
 impl<'a> Part<'a> {
     fn written(path: &'a Path, bytes: &[u8]) -> Result<Self, FileError> {
         let failed = |reason| unwritten(path, reason);
-        let folder = match path.parent() {
-            Some(parent) if !parent.as_os_str().is_empty() => parent,
-            _ => Path::new("."),
-        };
+        let folder = folder_of(path);
         fs::create_dir_all(folder).map_err(failed)?;
         let mut builder = tempfile::Builder::new();
-        builder.prefix(".boscage-").suffix(".part");
+        builder.prefix(PART_BEGIN).suffix(PART_END);
         #[cfg(unix)]
         {
             use std::os::unix::fs::PermissionsExt as _;
@@ -153,6 +227,9 @@ impl<'a> Part<'a> {
             builder.permissions(fs::Permissions::from_mode(0o666));
         }
         let mut file = builder.tempfile_in(folder).map_err(failed)?;
+        // Tells those who clear up that somebody is at work; where there are no locks its age does.
+        #[cfg(unix)]
+        let _ = file.as_file().try_lock();
         file.write_all(bytes).map_err(failed)?;
         file.as_file().sync_data().map_err(failed)?;
         Ok(Self { path, file })
@@ -212,6 +289,39 @@ mod tests {
         fs::write(path.join("keep"), b"").unwrap();
         assert!(write_atomic(&path, b"x").is_err());
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn what_killed_processes_left_goes_and_what_is_being_written_stays() {
+        let folder = tempfile::tempdir().unwrap();
+        let below = folder.path().join("textures");
+        let target = below.join("tree.png");
+        let writing = Part::written(&target, b"half").unwrap();
+        let old = std::time::SystemTime::now() - 2 * PART_IS_FRESH;
+        writing.file.as_file().set_modified(old).unwrap();
+        let file = |name: &str, is_old: bool| {
+            let path = below.join(name);
+            let file = File::create(&path).unwrap();
+            if is_old {
+                file.set_modified(old).unwrap();
+            }
+            path
+        };
+        let left = file(".boscage-abc.part", true);
+        let kept = [
+            file(".boscage-new.part", false),
+            file("boscage-abc.part", true),
+            file(".boscage-abc", true),
+            writing.file.path().to_owned(),
+        ];
+        remove_left_parts(folder.path(), 0);
+        assert!(left.exists(), "too deep");
+        remove_left_parts(folder.path(), 1);
+        assert!(!left.exists());
+        assert!(kept.iter().all(|path| path.exists()));
+        writing.persist().unwrap();
+        assert_eq!(read_limited(&target, 9).unwrap(), b"half");
     }
 
     #[test]

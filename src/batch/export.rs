@@ -53,7 +53,7 @@ pub(crate) fn check_trees(trees: &[TreeRecord], file: &Path) -> Result<(), Failu
     }
     let mut names = std::collections::BTreeSet::new();
     for tree in trees {
-        if tree.name().contains(['/', '\\']) || tree.name().starts_with('.') {
+        if !tree.is_in_folder() {
             return Err(Failure::of(
                 file.display(),
                 format!("{}: lies outside the folder", tree.file),

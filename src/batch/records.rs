@@ -127,6 +127,12 @@ impl TreeRecord {
         self.file.strip_suffix(".png").unwrap_or(&self.file)
     }
 
+    /// Whether the tree's files lie in one folder: a record that others wrote may name any path.
+    pub(crate) fn is_in_folder(&self) -> bool {
+        let name = self.name();
+        !name.is_empty() && !name.starts_with('.') && !name.contains(['/', '\\', ':', '\0'])
+    }
+
     /// The record as JSON, on one line.
     pub(crate) fn to_json(&self) -> String {
         json_of(serde_json::to_string(self))
@@ -156,12 +162,19 @@ impl LibraryRecord {
     /// [`Failure::BadInput`] when the file is not such a record.
     pub(crate) fn read(path: &Path) -> Result<Self, Failure> {
         let bytes = read_limited(path, LARGEST_BYTES)?;
-        let failed = |reason: String| Failure::of(path.display(), reason);
-        let record: Self = serde_json::from_slice(&bytes)
-            .map_err(|error| failed(format!("not a library record: {error}")))?;
+        Self::of_bytes(&bytes).map_err(|reason| Failure::of(path.display(), reason))
+    }
+
+    /// The record in the content of its file; why there is none, in one line.
+    pub(crate) fn of_bytes(bytes: &[u8]) -> Result<Self, String> {
+        let record: Self = serde_json::from_slice(bytes)
+            .map_err(|error| format!("not a library record: {error}"))?;
         if record.format != "boscage-library" || record.version != VERSION {
             let found = format!("{} version {}", record.format, record.version);
-            return Err(failed(format!("{found} is not known to this version")));
+            return Err(format!("{found} is not known to this version"));
+        }
+        if let Some(complaint) = record.settings.complaint() {
+            return Err(format!("settings: {complaint}"));
         }
         Ok(record)
     }

@@ -303,6 +303,11 @@ impl Like {
             palette: Palette::of_exemplar(&exemplar),
         })
     }
+
+    /// The digest of the picture's file.
+    pub(crate) fn digest(&self) -> &str {
+        &self.record.digest
+    }
 }
 
 /// Makes and writes one tree, unless it is there already.

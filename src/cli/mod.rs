@@ -25,6 +25,8 @@ mod library;
 mod morph;
 mod options;
 mod polygons;
+#[doc(hidden)]
+pub mod readers;
 mod recolor;
 mod regions;
 mod render;
@@ -41,7 +43,7 @@ mod vary_flags;
 mod warp;
 
 use crate::app;
-use crate::base::{Cancel, Progress, with_threads};
+use crate::base::{Cancel, Progress, folder_of, limit_vector_level, remove_left_parts, with_threads};
 use crate::batch::run::Run;
 use crate::batch::{failure, input, items, output, records};
 use clap::{Parser, Subcommand};
@@ -154,6 +156,10 @@ pub fn run() -> ExitCode {
 
 /// Runs `job` in threads of its own, listening to signals and telling of progress.
 fn run_job(options: &CommonOptions, job: &dyn Job) -> Result<(), Failure> {
+    remove_what_is_left(options);
+    if let Some(name) = options.vector_level {
+        limit_vector_level(name.level());
+    }
     let cancel = Cancel::new();
     let raised = cancel.clone();
     ctrlc::set_handler(move || raised.cancel())
@@ -179,6 +185,18 @@ fn run_job(options: &CommonOptions, job: &dyn Job) -> Result<(), Failure> {
         .and_then(|outcome| outcome);
     reporter.finish(outcome.as_ref().err());
     outcome
+}
+
+/// Removes the hidden halves of files that an earlier run left where this one goes on, if that was
+/// killed: in the folder and two below it (`textures/`, a crown's own).
+fn remove_what_is_left(options: &CommonOptions) {
+    let goes_on = options.resume || options.overwrite;
+    if let Some(out) = options.out.as_deref().filter(|_| goes_on) {
+        match out.is_dir() {
+            true => remove_left_parts(out, 2),
+            false => remove_left_parts(folder_of(out), 0),
+        }
+    }
 }
 
 /// `boscage` alone opens the studio.

@@ -2,6 +2,7 @@
 
 use super::failure::Failure;
 use super::output::Policy;
+use crate::base::VectorLevel;
 use crate::batch::run::Shard;
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
@@ -31,6 +32,9 @@ pub(super) struct CommonOptions {
     /// Print one JSON object on stdout and nothing else
     #[arg(long, global = true)]
     pub(super) json: bool,
+    /// Use no wider vector units: for comparing, results are the same
+    #[arg(long, global = true, value_enum, hide = true, value_name = "LEVEL")]
+    pub(super) vector_level: Option<VectorLevelName>,
     /// How progress is shown
     #[arg(long, global = true, value_enum, default_value_t, value_name = "STYLE")]
     pub(super) progress: ProgressStyle,
@@ -69,6 +73,27 @@ impl CommonOptions {
         match &self.out {
             Some(path) if !path.as_os_str().is_empty() => Ok(path),
             _ => Err(Failure::of("--out PATH", "is needed by this command")),
+        }
+    }
+}
+
+/// The widest vector units that are used.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum VectorLevelName {
+    /// What every processor of the family has
+    Least,
+    /// At most AVX2
+    Wide,
+    /// All there are
+    Widest,
+}
+
+impl VectorLevelName {
+    pub(super) fn level(self) -> VectorLevel {
+        match self {
+            Self::Least => VectorLevel::Least,
+            Self::Wide => VectorLevel::Wide,
+            Self::Widest => VectorLevel::Widest,
         }
     }
 }

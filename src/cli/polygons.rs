@@ -77,7 +77,7 @@ impl PolygonFile {
     }
 }
 
-fn parsed(bytes: &[u8]) -> Result<Vec<Polygon>, String> {
+pub(super) fn parsed(bytes: &[u8]) -> Result<Vec<Polygon>, String> {
     // Some editors put a byte order mark before the text.
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let content: Content = serde_json::from_slice(text).map_err(|error| error.to_string())?;

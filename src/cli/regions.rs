@@ -45,15 +45,21 @@ pub(super) fn usual_k() -> Tangent {
 /// # Errors
 /// [`Failure::BadInput`], naming the file.
 pub(super) fn regions_from(path: &Path) -> Result<Vec<Region>, Failure> {
-    let RegionsFile { regions } = from_json(path)?;
-    let failed = |reason: &str| Err(Failure::of(path.display(), reason));
-    match &regions[..] {
-        [] => failed("names no region"),
-        regions if !regions.iter().all(|region| region.depth_px.is_finite()) => {
-            failed("depth_px must be a number")
-        }
-        _ => Ok(regions),
+    let bytes = read_limited(path, LARGEST_BYTES)?;
+    regions_in(&bytes).map_err(|reason| Failure::of(path.display(), reason))
+}
+
+/// The regions in the content of such a file.
+pub(super) fn regions_in(bytes: &[u8]) -> Result<Vec<Region>, String> {
+    let file = serde_json::from_slice(bytes).map_err(|error| error.to_string());
+    let RegionsFile { regions } = file?;
+    if regions.is_empty() {
+        return Err("names no region".to_owned());
     }
+    if !regions.iter().all(|region| region.depth_px.is_finite()) {
+        return Err("depth_px must be a number".to_owned());
+    }
+    Ok(regions)
 }
 
 /// The pixels of each region in the picture of a mask, in the order of `regions`; `file` is where

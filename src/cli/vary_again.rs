@@ -34,7 +34,7 @@ pub(super) fn run(
             format!("has no tree named {name}"),
         ));
     };
-    if tree.name().contains(['/', '\\']) {
+    if !tree.is_in_folder() {
         return Err(Failure::of(
             file.display(),
             "the tree's file lies outside the folder",
@@ -60,18 +60,39 @@ pub(super) fn run(
         session,
     )?;
     let chosen = chosen_again(tree, &library, file)?;
-    let like_path = flags
-        .like
-        .clone()
-        .or(tree.like.as_ref().map(|like| PathBuf::from(&like.file)));
-    let like = like_path
-        .map(|path| Like::of(&pictures(&[path])[0], record.settings, segmenter, session))
-        .transpose()?;
+    let like = like_again(flags, tree, &record, segmenter, session)?;
     let maker = TreeMaker::new(&library, like.map(|like| like.palette));
     let stage = session.progress.stage("vary", 1);
     make_tree(&maker, &chosen, tree, &outputs, session)?;
     drop(stage);
     session.print_json(|| json!({"trees": [tree], "seconds": session.seconds()}))
+}
+
+/// The picture that gives the colours: that of the flags, else the recorded one, which must be what
+/// it was.
+fn like_again(
+    flags: &Flags,
+    tree: &TreeRecord,
+    record: &LibraryRecord,
+    segmenter: &Classical,
+    session: &Session<'_>,
+) -> Result<Option<Like>, Failure> {
+    let of = |path: &Path| {
+        let picture = &pictures(&[path.to_owned()])[0];
+        Like::of(picture, record.settings, segmenter, session)
+    };
+    match (&flags.like, &tree.like) {
+        (Some(path), _) => of(path).map(Some),
+        (None, None) => Ok(None),
+        (None, Some(recorded)) => {
+            let like = of(Path::new(&recorded.file))?;
+            if like.digest() != recorded.digest {
+                let reason = "is not the file the tree's colours were taken from";
+                return Err(Failure::of(&recorded.file, reason));
+            }
+            Ok(Some(like))
+        }
+    }
 }
 
 /// Where exemplars are looked for: the folder given now, the one recorded, that folder seen from

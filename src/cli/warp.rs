@@ -6,7 +6,7 @@ use super::output::recipe;
 use super::polygons::PolygonFile;
 use super::session::Session;
 use super::{Job, Stages};
-use crate::base::Digest;
+use crate::base::{Digest, asking_for_memory};
 use crate::geometry::Point;
 use crate::raster::{Compression, Image, Straight, encode_png};
 use crate::variation::{Cage, Warp, WarpPrecision, coordinates, inside_polygons, warped};
@@ -121,7 +121,11 @@ fn check_memory([width, height]: [u32; 2]) -> Result<(), Failure> {
     /// A mask, two canvases of four bytes, and a PNG file that did not get smaller.
     const BYTES_PER_PIXEL: usize = 13;
     let bytes = width as usize * height as usize * BYTES_PER_PIXEL;
-    Vec::<u8>::new().try_reserve_exact(bytes).map_err(|_| {
+    let mut rehearsal = Vec::<u8>::new();
+    let had = asking_for_memory(|| rehearsal.try_reserve_exact(bytes));
+    // Kept from the compiler, which may leave out an allocation that nobody looks at.
+    std::hint::black_box(&rehearsal);
+    had.map_err(|_| {
         let reason = "pixels need more memory than there is";
         Failure::Environment(format!("--size {width} {height}: {reason}"))
     })

@@ -26,6 +26,10 @@ use std::sync::Arc;
 /// Most bytes of the history in a file; older steps are left out.
 const HISTORY_BYTES: usize = 64 << 20;
 
+/// Most memory that the masks of a project take once they are read, bytes: packed tiles of noise grow
+/// 200 times, so a small file could ask for any memory.
+const MOST_MASK_BYTES: usize = 4 << 30;
+
 /// A project that was read.
 #[derive(Debug)]
 pub struct Decoded {
@@ -179,6 +183,7 @@ struct Parts {
     view: Option<Arc<[u8]>>,
     history: Option<Arc<[u8]>>,
     masks: BTreeMap<PhotoId, Arc<TiledMask>>,
+    mask_bytes: usize,
     blobs: BTreeMap<Digest, Arc<[u8]>>,
     unknown: Vec<Section>,
 }
@@ -198,6 +203,10 @@ impl Parts {
                 let id = PhotoId(number32(&mut rest)?);
                 let mask = TiledMask::from_bytes(rest);
                 let mask = mask.map_err(|error| FormatError::Damaged(error.to_string()))?;
+                self.mask_bytes += mask.memory_bytes();
+                if self.mask_bytes > MOST_MASK_BYTES {
+                    return Err(FormatError::TooLarge);
+                }
                 self.masks.insert(id, Arc::new(mask)).is_some()
             }
             _ if section.is_required => {

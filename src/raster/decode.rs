@@ -7,7 +7,7 @@
 use super::envelope::Envelope;
 use super::read::{PictureFormat, Refusal, blank};
 use super::{Image, Straight};
-use crate::base::one_line;
+use crate::base::{asking_for_memory, one_line};
 use image::error::UnsupportedErrorKind;
 use image::metadata::Orientation;
 use image::{ColorType, ImageDecoder, ImageFormat, ImageReader, Limits};
@@ -91,7 +91,7 @@ fn scratch_bytes(format: PictureFormat, envelope: Envelope, pixels: u64, decoded
 fn could_allocate(bytes: u64) -> bool {
     usize::try_from(bytes).is_ok_and(|bytes| {
         let mut rehearsal = Vec::<u8>::new();
-        let had = rehearsal.try_reserve_exact(bytes).is_ok();
+        let had = asking_for_memory(|| rehearsal.try_reserve_exact(bytes)).is_ok();
         // Kept from the compiler, which may leave out an allocation that nobody looks at.
         std::hint::black_box(&rehearsal);
         had

@@ -10,6 +10,7 @@
 use super::decode::upright;
 use super::read::{PictureFormat, Refusal, blank};
 use super::{Image, Straight};
+use crate::base::asking_for_memory;
 use image::metadata::Orientation;
 use std::io::Cursor;
 use tiff::ColorType;
@@ -78,7 +79,7 @@ fn declared_grey(bytes: &[u8]) -> Option<Vec<u8>> {
         return None;
     }
     let mut copy = Vec::new();
-    copy.try_reserve_exact(bytes.len()).ok()?;
+    asking_for_memory(|| copy.try_reserve_exact(bytes.len())).ok()?;
     copy.extend_from_slice(bytes);
     let grey = if is_little {
         BLACK_IS_ZERO.to_le_bytes()

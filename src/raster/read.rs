@@ -11,7 +11,7 @@
 
 use super::envelope;
 use super::{Image, Straight, dds, decode, palette_tiff};
-use crate::base::{FileError, one_line, read_limited, without_panics};
+use crate::base::{FileError, asking_for_memory, one_line, read_limited, without_panics};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -296,7 +296,9 @@ fn check_size(width: u32, height: u32, bytes: u64, limits: ReadLimits) -> Result
 pub(super) fn blank(width: u32, height: u32, pixels: u64) -> Result<Vec<Straight>, Refusal> {
     usize::try_from(pixels)
         .ok()
-        .and_then(|count| bytemuck::allocation::try_zeroed_vec(count).ok())
+        .and_then(|count| {
+            asking_for_memory(|| bytemuck::allocation::try_zeroed_vec(count)).ok()
+        })
         .ok_or(Refusal::OutOfMemory { width, height })
 }
 

@@ -37,6 +37,25 @@ impl Default for ExemplarSettings {
     }
 }
 
+impl ExemplarSettings {
+    /// What is wrong with settings that came from a file, if anything: one line. Sizes beyond these
+    /// take memory and time that no machine has.
+    pub fn complaint(&self) -> Option<&'static str> {
+        let is_threshold = self.threshold > 0.0 && self.threshold < 1.0;
+        if !(16..=8192).contains(&self.size) {
+            Some("\"size\" must lie between 16 and 8192")
+        } else if !is_threshold {
+            Some("\"threshold\" must lie between 0 and 1")
+        } else if !(10..=100_000).contains(&self.points) {
+            Some("\"points\" must lie between 10 and 100000")
+        } else if !(10..=self.points).contains(&self.simplified) {
+            Some("\"simplified\" must lie between 10 and \"points\"")
+        } else {
+            None
+        }
+    }
+}
+
 /// Why a picture cannot be an exemplar.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ExemplarError {

@@ -202,7 +202,7 @@ pub(crate) fn crowns() -> tempfile::TempDir {
 }
 
 /// `photo.png` and `mask.png`: an oval of clumps on a blue sky, `tall` times as high as wide.
-fn write_crown_inputs(folder: &Path, tall: f64) {
+pub(crate) fn write_crown_inputs(folder: &Path, tall: f64) {
     let inside = |x: u32, y: u32| {
         let (dx, dy) = (f64::from(x) - 64.0, f64::from(y) - 64.0);
         (dx * tall).hypot(dy) < 58.0

@@ -15,7 +15,7 @@ pub use recovery::{Autosave, AutosaveClock, Recoverable, Recovery};
 use super::encode::{Decoded, decode, encode};
 use super::format::FormatError;
 use super::project::Snapshot;
-use crate::base::{Cancel, Cancelled, Digest, FileError, one_line, read_limited, write_atomic};
+use crate::base::{Cancel, Cancelled, Digest, FileError, one_line, folder_of, read_limited, remove_left_parts, sync_names, write_atomic};
 use std::ffi::OsString;
 use std::fs;
 use std::io::ErrorKind;
@@ -97,7 +97,8 @@ pub fn open(path: &Path) -> Result<(Decoded, Stamp), StoreError> {
 /// Writes a project to `path`; the previous file there stays as [`backup_path`].
 ///
 /// # Errors
-/// [`StoreError`]; whatever it is, the file `path` is then as it was.
+/// [`StoreError`]; whatever it is, the file `path` is then as it was, or the new one whole where the
+/// disk failed after that.
 pub fn save(
     path: &Path,
     snapshot: &Snapshot,
@@ -112,8 +113,10 @@ pub fn save(
         return Err(StoreError::ChangedOnDisk { path });
     }
     cancel.check()?;
+    remove_left_parts(folder_of(path), 0);
     keep_backup(path)?;
     write_atomic(path, &bytes)?;
+    sync_names(path)?;
     Ok(Stamp(Digest::of(&bytes)))
 }
 

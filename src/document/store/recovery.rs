@@ -16,7 +16,7 @@
 
 use super::lock::Lock;
 use super::{Decoded, StoreError, decode};
-use crate::base::{Cancel, Digest, FileError, read_limited, write_atomic};
+use crate::base::{Cancel, Digest, FileError, read_limited, sync_names, write_atomic};
 use crate::document::encode::encode_without_photos;
 use crate::document::project::Snapshot;
 use serde::{Deserialize, Serialize};
@@ -166,9 +166,11 @@ impl Autosave {
         cancel: &Cancel,
     ) -> Result<(), StoreError> {
         for (digest, bytes) in snapshot.photos() {
-            if !self.photos.contains(digest) {
+            let path = photo_path(&self.folder, *digest);
+            // Looked for each time: whoever cleans a disk may take the folder from under us.
+            if !self.photos.contains(digest) || !path.is_file() {
                 cancel.check()?;
-                write_atomic(&photo_path(&self.folder, *digest), bytes)?;
+                write_atomic(&path, bytes)?;
                 self.photos.insert(*digest);
             }
         }
@@ -180,7 +182,8 @@ impl Autosave {
             saved_at: now,
             tries: 0,
         };
-        write_about(&self.folder, &about)
+        write_about(&self.folder, &about)?;
+        Ok(sync_names(&self.folder.join(DOCUMENT))?)
     }
 
     /// Throws the autosaves away: the project was closed in order.

@@ -1,0 +1,156 @@
+#!/usr/bin/env python3
+"""Stops every long command at random moments: by SIGTERM, which must end it within 100 ms with exit code 3
+and one line, and by SIGKILL, after which --resume must make the bytes of a run that nobody stopped.
+
+usage: cancel.py BOSCAGE [--times 10] [--only vary,crown] [--limit-ms 100]
+Prints a line a command: how often, how long it took to end, what was wrong."""
+import argparse, hashlib, os, random, shutil, signal, struct, subprocess, sys, tempfile, time, zlib
+
+COMMANDS = {
+    # name: (arguments, what it writes, whether --resume keeps what is done)
+    "vary": ("vary --library trees --count 12 --maps labels,normal,depth,ao,translucency", "out"),
+    "morph": ("morph trees/a.png trees/b.png --steps 12", "out"),
+    "table": ("table --library trees", "out.png"),
+    "inspect": ("inspect trees/a.png --dump dump --json", None),
+    "segment": ("segment trees/a.png trees/b.png trees/c.png", "out"),
+    "warp": ("warp trees/a.png --from from.json --to to.json --size 900 900 --exact", "out.png"),
+    "recolor": ("recolor trees/a.png --like trees/b.png", "out.png"),
+    "inflate": ("inflate mask.png --size 1024 --k 1+2*j", "out.obj"),
+    "synthesize": ("synthesize photo.png --mask mask.png --width 1056 --height 320", "out.png"),
+    "cubemap": ("cubemap photo.png --mask mask.png --size 256", "out"),
+    "crown": ("crown photo.png --mask mask.png --photo-front", "out"),
+    "render relief": ("render crown --backend cpu --mode relief --size 900 900", "out.png"),
+    "render leaves": ("render crown --backend cpu --mode leaves --size 900 900", "out.png"),
+    "export": ("export new --preset unreal --textures png,dds,ktx2 --maps normal,depth,ao --atlas", "out"),
+    "export crown": ("export crown --preset web", "out"),
+    "samples": ("samples --height 512", "out"),
+}
+
+
+def digest(path):
+    """Of all files at `path`, with their names; hidden halves of killed runs do not count."""
+    sums = []
+    for folder, _, names in os.walk(path):
+        for name in names:
+            if not name.startswith(".boscage-"):
+                file = os.path.join(folder, name)
+                sums.append((os.path.relpath(file, path), hashlib.sha256(open(file, "rb").read()).hexdigest()))
+    if os.path.isfile(path):
+        sums.append(hashlib.sha256(open(path, "rb").read()).hexdigest())
+    return sorted(sums)
+
+
+def remove(path):
+    if os.path.isdir(path):
+        shutil.rmtree(path)
+    elif os.path.exists(path):
+        os.remove(path)
+
+
+def picture(path, side, pixel):
+    """A PNG of side x side pixels, without any library: pixel(x, y) gives its channels."""
+    channels = len(pixel(0, 0))
+    rows = b"".join(b"\0" + bytes(v for x in range(side) for v in pixel(x, y)) for y in range(side))
+    chunk = lambda name, body: struct.pack(">I", len(body)) + name + body + struct.pack(">I", zlib.crc32(name + body))
+    header = struct.pack(">IIBBBBB", side, side, 8, {1: 0, 3: 2, 4: 6}[channels], 0, 0, 0)
+    open(path, "wb").write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(rows, 1)) + chunk(b"IEND", b""))
+
+
+def photo_and_mask(folder, side):
+    """A round crown of clumps on a blue sky, and its mask."""
+    inside = lambda x, y: (x - side / 2) ** 2 + (y - side / 2) ** 2 < (0.45 * side) ** 2
+    def leaf(x, y):
+        green = 60 + (x // 12 * 71 + y // 12 * 37) % 60 + (x * 7919 + y * 104729 + x * y * 31) % 50
+        return (green // 2, green, green // 4) if inside(x, y) else (120, 170, 250)
+    picture(folder + "/photo.png", side, leaf)
+    picture(folder + "/mask.png", side, lambda x, y: (255 * inside(x, y),))
+
+
+def prepared(boscage, folder):
+    run = lambda text: subprocess.run([boscage, *text.split()], cwd=folder, check=True, capture_output=True)
+    run("samples --bundled --out trees")
+    for name, tree in zip("abcd", ["oak", "pine", "birch", "maple"]):
+        os.rename(f"{folder}/trees/{tree}.png", f"{folder}/trees/{name}.png")
+    for file in os.listdir(folder + "/trees"):
+        if len(file) > 5:
+            os.remove(f"{folder}/trees/{file}")
+    photo_and_mask(folder, 800)
+    square = '{"points":[[0,0],[900,0],%s,[800,900],[0,900]]}'
+    open(folder + "/from.json", "w").write(square % "[900,400]")
+    open(folder + "/to.json", "w").write(square % "[700,450]")
+    run("vary --library trees --count 4 --size 512 --out new")
+    run("crown photo.png --mask mask.png --size 128 --out crown")
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("boscage")
+    parser.add_argument("--times", type=int, default=10)
+    parser.add_argument("--only", default="")
+    parser.add_argument("--limit-ms", type=float, default=100)
+    parser.add_argument("--seed", type=int, default=1)
+    options = parser.parse_args()
+    boscage, chance, failed = os.path.abspath(options.boscage), random.Random(options.seed), False
+    with tempfile.TemporaryDirectory() as folder:
+        os.environ["BOSCAGE_CACHE"] = folder + "/cache"
+        prepared(boscage, folder)
+        for name, (text, out) in COMMANDS.items():
+            if not options.only or name.split()[0] in options.only.split(","):
+                failed |= tried(boscage, folder, name, text, out, options, chance)
+    sys.exit(failed)
+
+
+def tried(boscage, folder, name, text, out, options, chance):
+    command = [boscage, *text.split(), "--threads", "2"] + (["--out", out] if out else [])
+    path = os.path.join(folder, out or "dump")
+    start = time.time()
+    whole = subprocess.run(command, cwd=folder, capture_output=True, text=True)
+    seconds = time.time() - start
+    if whole.returncode:
+        print(f"cancel {name}: does not run: {whole.stderr.strip()[:200]}")
+        return True
+    expected = digest(path)
+    remove(path)
+    late, wrong, ends = [], [], 0
+    for _ in range(options.times):
+        process = subprocess.Popen(command, cwd=folder, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
+        time.sleep(0.005 + chance.random() * seconds)
+        then = time.time()
+        process.send_signal(signal.SIGTERM)
+        said = process.communicate()[1]
+        took = 1000 * (time.time() - then)
+        if process.returncode == 3:
+            late.append(took)
+            if [line for line in said.splitlines() if not line.startswith("warning:")] != ["error: cancelled"]:
+                wrong.append("said " + repr(said[-80:]))
+            left = [file for file in digest(path) if file not in expected]
+            if left and os.path.isdir(path):
+                wrong.append(f"left {left[:2]}")
+            elif os.path.isfile(path):
+                wrong.append("left a file")
+        elif process.returncode == 0 or (process.returncode == -signal.SIGTERM and took < 20):
+            ends += 1  # It was done, or had not begun to listen.
+        else:
+            wrong.append(f"exit code {process.returncode}")
+        remove(path)
+    for _ in range(max(1, options.times // 3)):
+        process = subprocess.Popen(command + ["--resume"], cwd=folder, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
+        time.sleep(0.005 + chance.random() * seconds)
+        process.kill()
+        process.wait()
+        again = subprocess.run(command + ["--resume"], cwd=folder, capture_output=True, text=True)
+        if again.returncode or digest(path) != expected:
+            wrong.append(f"resumed otherwise: {again.stderr.strip()[:100]}")
+    remove(path)
+    late.sort()
+    over = [ms for ms in late if ms > options.limit_ms]
+    median, most = (late[len(late) // 2], late[-1]) if late else (0, 0)
+    print(
+        f"cancel {name}: {len(late)} times stopped ({ends} had ended), median {median:.0f} ms, longest {most:.0f} ms, "
+        f"{len(over)} over {options.limit_ms:.0f} ms; wrong: {'; '.join(sorted(set(wrong))) or 'nothing'}",
+        flush=True,
+    )
+    return bool(wrong or over)
+
+
+main()

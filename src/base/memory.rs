@@ -1,0 +1,80 @@
+//! Memory that cannot be had: one line and exit code 1, not an abort.
+//!
+//! Where a container cannot grow, Rust's standard library aborts the process: code 134, perhaps a core
+//! file of gigabytes, and a scheduler that takes it for a crash of the machine. Stable Rust tells of
+//! the failure to the allocator only, so the program's is a thin one around the system's: it ends the
+//! process in order. Large requests whose failure is an answer (`try_reserve`) are made within
+//! [`asking_for_memory`].
+//!
+//! This is the one file with code that the compiler cannot check: the trait of allocators is unsafe by
+//! its nature. Each function passes its arguments on unchanged, so the system's allocator keeps the
+//! contract for us.
+#![allow(unsafe_code, reason = "an allocator cannot be written without")]
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::io::Write as _;
+
+thread_local! {
+    static MAY_FAIL: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Runs `ask`, within which memory that cannot be had is an answer on this thread and not the end.
+///
+/// ```
+/// use boscage::base::asking_for_memory;
+/// assert!(asking_for_memory(|| Vec::<u8>::new().try_reserve(1 << 62)).is_err());
+/// ```
+pub fn asking_for_memory<T>(ask: impl FnOnce() -> T) -> T {
+    let before = MAY_FAIL.replace(true);
+    let answer = ask();
+    MAY_FAIL.set(before);
+    answer
+}
+
+/// The system's allocator, but a failure ends the process with a line on stderr and exit code 1.
+#[derive(Debug)]
+pub struct EndingAllocator;
+
+// SAFETY: all is the system allocator's, with our caller's promises handed on as they are; a failure
+// that is not passed on never returns.
+unsafe impl GlobalAlloc for EndingAllocator {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        // SAFETY: as our caller promised.
+        had(unsafe { System.alloc(layout) }, layout.size())
+    }
+
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        // SAFETY: as our caller promised.
+        had(unsafe { System.alloc_zeroed(layout) }, layout.size())
+    }
+
+    unsafe fn dealloc(&self, memory: *mut u8, layout: Layout) {
+        // SAFETY: as our caller promised.
+        unsafe { System.dealloc(memory, layout) }
+    }
+
+    unsafe fn realloc(&self, memory: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        // SAFETY: as our caller promised.
+        had(unsafe { System.realloc(memory, layout, size) }, size)
+    }
+}
+
+#[inline(always)]
+fn had(memory: *mut u8, bytes: usize) -> *mut u8 {
+    if memory.is_null() && !MAY_FAIL.try_with(Cell::get).unwrap_or(true) {
+        end(bytes);
+    }
+    memory
+}
+
+/// Ends the process. Needs no memory itself: the line is written on the stack.
+#[cold]
+fn end(bytes: usize) -> ! {
+    let mut line = [0; 96];
+    let mut rest = &mut line[..];
+    let _ = writeln!(rest, "error: memory: {bytes} more bytes cannot be had");
+    let left = rest.len();
+    let _ = std::io::stderr().write_all(&line[..line.len() - left]);
+    std::process::exit(1)
+}

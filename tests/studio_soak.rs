@@ -1,0 +1,302 @@
+//! Hands that know nothing: random gestures in the studio without a screen. Whatever they do, the
+//! project stays whole, undo and redo bring back exactly what was, and memory does not grow.
+//!
+//! The short run is part of the suite; `BOSCAGE_SOAK_SECONDS=28800 cargo test --test studio_soak --
+//! --ignored` is the long one, which also watches the memory (Linux only).
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+mod window;
+
+use boscage::app::{Action, Answer, Command, MaskCommand, Shell, TABLE};
+use boscage::base::{Random, Seed};
+use boscage::document::{CrownSettings, Edit, Tangent};
+use egui::{Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, PointerButton, Pos2};
+use egui::{TouchPhase, pos2, vec2};
+use std::time::{Duration, Instant};
+use window::{Window, wait, with_sample};
+
+/// Commands that leave the window for a dialog of the desktop, or for good.
+const LEAVING: [Command; 9] = [
+    Command::Open,
+    Command::AddPhotos,
+    Command::Save,
+    Command::SaveAs,
+    Command::Quit,
+    Command::SavePicture,
+    Command::Mask(MaskCommand::Import),
+    Command::Mask(MaskCommand::Export),
+    Command::ExportTrees,
+];
+
+/// Most growth of memory over a long run, in percent.
+const MOST_GROWTH_PERCENT: f64 = 5.0;
+
+#[test]
+fn a_hundred_random_gestures_harm_nothing() {
+    let (mut window, folder) = with_sample();
+    let mut hand = Hand::new(1, folder.path());
+    window
+        .state_mut()
+        .studio_mut()
+        .act(Action::Do(Command::ToggleLiveCrown));
+    for _ in 0..100 {
+        hand.gesture(&mut window);
+    }
+    hand.look_closely(&mut window);
+}
+
+#[test]
+#[ignore = "as long as BOSCAGE_SOAK_SECONDS says"]
+fn random_gestures_for_hours_harm_nothing_and_need_no_more_memory() {
+    let seconds = std::env::var("BOSCAGE_SOAK_SECONDS").map_or(60, |text| text.parse().unwrap());
+    let seed = std::env::var("BOSCAGE_SOAK_SEED").map_or(1, |text| text.parse().unwrap());
+    let (mut window, folder) = with_sample();
+    let mut hand = Hand::new(seed, folder.path());
+    let (start, whole) = (Instant::now(), Duration::from_secs(seconds));
+    let mut memory = Vec::new();
+    while start.elapsed() < whole {
+        // Enough to be about it, then a new project: what is measured is what stays.
+        for _ in 0..150 {
+            hand.gesture(&mut window);
+        }
+        hand.look_closely(&mut window);
+        hand.begin_again(&mut window);
+        memory.push(resident_bytes());
+    }
+    // The caches are full after a while: the first third does not count.
+    let behind = &memory[memory.len() / 3..];
+    let (early, late) = behind.split_at(behind.len() / 2);
+    let growth = 100.0 * (median(late) / median(early) - 1.0);
+    println!(
+        "soak: {} gestures in {} s, {} projects, {:.0} MB, growth {growth:.1} %",
+        hand.gestures,
+        start.elapsed().as_secs(),
+        memory.len(),
+        median(late) / 1e6,
+    );
+    assert!(growth < MOST_GROWTH_PERCENT, "{memory:?}");
+}
+
+fn median(values: &[f64]) -> f64 {
+    let mut values = values.to_vec();
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(1.0)
+}
+
+fn resident_bytes() -> f64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap();
+    let line = status.lines().find(|line| line.starts_with("VmRSS:"));
+    let kilobytes = line.unwrap().split_whitespace().nth(1).unwrap();
+    1024.0 * kilobytes.parse::<f64>().unwrap()
+}
+
+/// Whose gestures they are.
+struct Hand {
+    random: Random,
+    gestures: u64,
+    file: std::path::PathBuf,
+}
+
+impl Hand {
+    fn new(seed: u64, folder: &std::path::Path) -> Self {
+        Self {
+            random: Seed(seed).random(),
+            gestures: 0,
+            file: folder.join("soak.boscage"),
+        }
+    }
+
+    /// One of all that a hand can do; then the project must be whole.
+    fn gesture(&mut self, window: &mut Window) {
+        match self.random.below(12) {
+            0..=3 => self.drag(window),
+            4 => self.click(window),
+            5 => self.wheel(window),
+            6..=7 => self.command(window),
+            8 => self.history(window),
+            9 => self.edit(window),
+            10 => self.key(window),
+            _ => self.save(window),
+        }
+        self.answer(window);
+        window.step();
+        self.gestures += 1;
+        let document = window.state().studio().document();
+        assert_eq!(document.complaint(), None, "gesture {}", self.gestures);
+        if window.state().studio().is_empty() {
+            self.begin_again(window);
+        }
+    }
+
+    /// All the way back and forth again: the same project, to the bit.
+    fn look_closely(&mut self, window: &mut Window) {
+        window.key_press(Key::Escape);
+        window.step();
+        act(window, Action::EndGesture);
+        wait(window, |shell| !shell.studio().is_busy());
+        let now = window.state().studio().document().digest();
+        let (undo, _) = window.state().studio().document().history_steps();
+        for command in [Command::Undo, Command::Redo] {
+            for _ in 0..undo {
+                act(window, Action::Do(command));
+            }
+        }
+        assert_eq!(window.state().studio().document().digest(), now);
+        assert_eq!(window.state().studio().document().complaint(), None);
+    }
+
+    /// The sample project, whatever was there.
+    fn begin_again(&mut self, window: &mut Window) {
+        act(window, Action::EndGesture);
+        wait(window, |shell| !shell.studio().is_busy());
+        act(window, Action::Do(Command::OpenSample));
+        if window.state().studio().question().is_some() {
+            act(window, Action::Answer(Answer::Anyway));
+        }
+        wait(window, |shell: &Shell| {
+            !shell.studio().is_empty() && !shell.studio().is_busy()
+        });
+    }
+
+    fn place(&mut self) -> Pos2 {
+        pos2(
+            self.random.between(0.0, 1440.0) as f32,
+            self.random.between(60.0, 900.0) as f32,
+        )
+    }
+
+    fn modifiers(&mut self) -> Modifiers {
+        let all = [Modifiers::NONE, Modifiers::SHIFT, Modifiers::COMMAND];
+        all[self.random.below(all.len())]
+    }
+
+    fn button(&mut self) -> PointerButton {
+        match self.random.below(8) {
+            0 => PointerButton::Secondary,
+            1 => PointerButton::Middle,
+            _ => PointerButton::Primary,
+        }
+    }
+
+    fn drag(&mut self, window: &mut Window) {
+        let (button, modifiers) = (self.button(), self.modifiers());
+        let mut pos = self.place();
+        window.event(Event::PointerMoved(pos));
+        window.event(pressed(pos, button, true, modifiers));
+        window.step();
+        for _ in 0..self.random.below(8) {
+            pos += vec2(
+                self.random.between(-90.0, 90.0) as f32,
+                self.random.between(-90.0, 90.0) as f32,
+            );
+            window.event(Event::PointerMoved(pos));
+            window.step();
+        }
+        window.event(pressed(pos, button, false, modifiers));
+    }
+
+    fn click(&mut self, window: &mut Window) {
+        let (pos, modifiers) = (self.place(), self.modifiers());
+        window.event(Event::PointerMoved(pos));
+        for down in [true, false] {
+            window.event(pressed(pos, PointerButton::Primary, down, modifiers));
+        }
+    }
+
+    fn wheel(&mut self, window: &mut Window) {
+        let pos = self.place();
+        window.event(Event::PointerMoved(pos));
+        window.event(Event::MouseWheel {
+            unit: MouseWheelUnit::Point,
+            delta: vec2(0.0, self.random.between(-300.0, 300.0) as f32),
+            phase: TouchPhase::Move,
+            source: MouseWheelSource::Wheel,
+            modifiers: self.modifiers(),
+        });
+    }
+
+    fn command(&mut self, window: &mut Window) {
+        let command = TABLE[self.random.below(TABLE.len())].command;
+        if !LEAVING.contains(&command) && window.state().studio().can(command) {
+            act(window, Action::Do(command));
+        }
+    }
+
+    fn history(&mut self, window: &mut Window) {
+        let command = [Command::Undo, Command::Redo][self.random.below(2)];
+        for _ in 0..self.random.below(4) {
+            act(window, Action::Do(command));
+        }
+    }
+
+    fn edit(&mut self, window: &mut Window) {
+        let Some(photo) = window.state().studio().shown() else {
+            return;
+        };
+        let crown = CrownSettings {
+            k: Tangent::Expression(format!("{:.2}", self.random.between(0.5, 4.0))),
+            rho: self.random.between(0.0, 0.4),
+            ..CrownSettings::default()
+        };
+        let edit = Edit::SetCrown(photo, Box::new(crown));
+        let gesture = boscage::app::Gesture::Whole;
+        let label = "Crown";
+        act(
+            window,
+            Action::Edit {
+                label,
+                edit,
+                gesture,
+            },
+        );
+    }
+
+    fn key(&mut self, window: &mut Window) {
+        let keys = [
+            Key::Escape,
+            Key::Enter,
+            Key::Tab,
+            Key::Space,
+            Key::ArrowLeft,
+            Key::ArrowDown,
+            Key::Backspace,
+            Key::Delete,
+        ];
+        window.key_press(keys[self.random.below(keys.len())]);
+    }
+
+    /// Saves, and what was saved is what is there.
+    fn save(&mut self, window: &mut Window) {
+        act(window, Action::EndGesture);
+        act(window, Action::SaveTo(self.file.clone()));
+        self.answer(window);
+        wait(window, |shell| !shell.studio().is_busy());
+        let document = window.state().studio().document();
+        if !document.is_dirty() && !document.is_in_gesture() {
+            let (saved, _) = boscage::document::store::open(&self.file).unwrap();
+            assert_eq!(saved.document.digest(), document.digest());
+        }
+    }
+
+    fn answer(&mut self, window: &mut Window) {
+        if window.state().studio().question().is_some() {
+            let answer = [Answer::Anyway, Answer::Cancel][self.random.below(2)];
+            act(window, Action::Answer(answer));
+        }
+    }
+}
+
+fn act(window: &mut Window, action: Action) {
+    window.state_mut().studio_mut().act(action);
+    window.step();
+}
+
+fn pressed(pos: Pos2, button: PointerButton, pressed: bool, modifiers: Modifiers) -> Event {
+    Event::PointerButton {
+        pos,
+        button,
+        pressed,
+        modifiers,
+    }
+}

@@ -250,11 +250,12 @@ def window(rng, size, low, high):
 
 
 class Maker:
-    """Makes examples from grown and real trees."""
+    """Makes examples from grown trees (lists that are drawn from alike, whatever their lengths) and
+    real ones."""
 
     def __init__(self, grown, real, size, real_share):
         self.size = size
-        self.grown = [self.ladder(tree) for tree in grown]
+        self.grown = [[self.ladder(tree) for tree in trees] for trees in grown if trees]
         billboards = [tree for tree in real if tree.has_alpha]
         photos = [tree for tree in real if not tree.has_alpha]
         self.boards = [self.ladder(tree) for tree in billboards]
@@ -271,11 +272,12 @@ class Maker:
     def pick(self, rng, pixels):
         """A tree to stand alone, at about the wanted size."""
         real = self.boards + self.cutouts
-        pool = real if real and rng.random() < self.real_share else self.grown
-        if not pool:
+        if real and (not self.grown or rng.random() < self.real_share):
             pool = real
-        if pool is real and self.boards and self.cutouts:
-            pool = self.boards if rng.random() < 0.65 else self.cutouts
+            if self.boards and self.cutouts:
+                pool = self.boards if rng.random() < 0.65 else self.cutouts
+        else:
+            pool = self.grown[rng.integers(len(self.grown))]
         steps = pool[rng.integers(len(pool))]
         fitting = [s for s in steps if max(s.labels.shape) >= pixels * 0.8]
         return (fitting or steps)[-1] if fitting else steps[0]
@@ -358,14 +360,17 @@ class Maker:
     def composite(self, rng):
         """A tree without alpha, in front of a painted backdrop."""
         size = self.size
-        rows, columns = window(rng, size, 0.55, 1.5)
+        chosen = self.pick(rng, size)
+        left, top, right, bottom = bounds(chosen.labels)
+        shape = float(np.clip((right - left) / (bottom - top), 0.4, 1.5))
+        rows, columns = window(rng, size, max(0.5, shape * 0.8), min(1.6, shape * 2.0))
         tall, wide = rows.stop - rows.start, columns.stop - columns.start
         close = rng.random() < 0.25
-        height = tall * (rng.uniform(0.9, 1.1) if close else rng.uniform(0.55, 0.98))
+        height = tall * (rng.uniform(0.9, 1.1) if close else rng.uniform(0.6, 1.0))
         foot = rows.stop - tall * (rng.uniform(-0.05, 0.02) if close else rng.uniform(0.0, 0.3))
         height = min(height, foot - rows.start + tall * (0.05 if rng.random() < 0.2 else 0.0))
         centre = (columns.start + columns.stop) / 2 + rng.normal(0, 0.06) * wide
-        main = self.tree(rng, (centre, foot, height, wide * rng.uniform(0.8, 1.1)))
+        main = self.tree(rng, (centre, foot, height, wide * rng.uniform(0.8, 1.1)), tree=chosen)
         if rng.random() < 0.18:
             picture = scenes.plain(rng, size)
         else:

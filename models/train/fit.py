@@ -117,7 +117,7 @@ def chosen(data, real, folds):
 
 def main():
     flags = argparse.ArgumentParser(description=__doc__)
-    flags.add_argument("--grown", type=pathlib.Path, help="folder written by boscage samples")
+    flags.add_argument("--grown", type=pathlib.Path, nargs="*", default=[], help="folders of labelled trees")
     flags.add_argument("--data", type=pathlib.Path, help="BOSCAGE_DATA")
     flags.add_argument("--real", choices=["none", "permissive", "all"], default="none")
     flags.add_argument("--real-share", type=float, default=0.5)
@@ -134,9 +134,9 @@ def main():
     o = flags.parse_args()
     torch.set_num_threads(o.threads)
     cv2.setNumThreads(1)
-    grown = grown_trees(o.grown) if o.grown else []
+    grown = [grown_trees(folder) for folder in o.grown]
     real = chosen(o.data, o.real, o.fold)
-    print(f"{len(grown)} grown trees, {len(real)} real ones: {' '.join(t.name for t in real)}", flush=True)
+    print(f"{[len(trees) for trees in grown]} grown trees, {len(real)} real ones: {' '.join(t.name for t in real)}", flush=True)
     maker = Maker(grown, real, o.size, o.real_share)
     train(maker, o.weights, o.seconds, o.rate, o.batch, o.seed, o.billboards, o.out, lambda line: print(line, flush=True))
 

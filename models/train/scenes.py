@@ -61,7 +61,7 @@ def textured(rng, size, base, contrast, cells, stretch=1.0):
     """A colour with grain."""
     grain = smooth_noise(rng, size, cells, 4, stretch)[..., None] - 0.5
     fine = rng.normal(0, 0.25, (size, size, 1)).astype(np.float32)
-    hue = (smooth_noise(rng, size, max(2, cells // 3), 2)[..., None] - 0.5) * rng.normal(0, 0.3, 3).astype(np.float32)
+    hue = (smooth_noise(rng, size, max(2, cells // 3), 2)[..., None] - 0.5) * rng.normal(0, 0.12, 3).astype(np.float32)
     return base * (1 + contrast * (2 * grain + 0.5 * fine)) + hue * contrast
 
 

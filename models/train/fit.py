@@ -19,10 +19,15 @@ from network import Segmenter
 from trees import grown_trees, real_trees
 
 CLASS_WEIGHTS = (1.0, 3.0, 1.0)
+REMEMBERED = 200
 
 
 class Stream(IterableDataset):
-    """Endless examples; each worker has its own generator."""
+    """Endless examples; each worker has its own generator.
+
+    Every example comes twice, the second time some hundreds later, mirrored and in another light:
+    making one costs as much as learning from it.
+    """
 
     def __init__(self, maker, seed, billboards):
         self.maker, self.seed, self.billboards = maker, seed, billboards
@@ -31,9 +36,29 @@ class Stream(IterableDataset):
         cv2.setNumThreads(1)
         info = torch.utils.data.get_worker_info()
         rng = np.random.default_rng((self.seed, info.id if info else 0))
+        earlier = []
         while True:
             image, labels = self.maker.example(rng, self.billboards)
-            yield torch.from_numpy(image), torch.from_numpy(labels.astype(np.int64))
+            yield tensors(image, labels)
+            if len(earlier) < REMEMBERED:
+                earlier.append((image, labels))
+                continue
+            place = rng.integers(REMEMBERED)
+            old, old_labels = earlier[place]
+            earlier[place] = (image, labels)
+            yield tensors(relit(rng, old[..., ::-1]), old_labels[:, ::-1])
+
+
+def relit(rng, image):
+    """The picture with its colours scaled."""
+    image = image.copy()
+    gain = np.exp(rng.normal(0, 0.1, 3) + rng.normal(0, 0.15)).astype(np.float32)
+    image[:3] = np.clip(image[:3] * gain[:, None, None], 0, 1)
+    return image
+
+
+def tensors(image, labels):
+    return torch.from_numpy(image), torch.from_numpy(labels.astype(np.int64))
 
 
 def loss_of(logits, labels, image):
@@ -73,8 +98,8 @@ def train(maker, weights, seconds, rate, batch, seed, billboards, out, log=print
     torch.manual_seed(seed)
     net = Segmenter()
     if weights:
-        net.load_state_dict(torch.load(weights, weights_only=True))
-    net.train()
+        net.load_state_dict(torch.load(weights, weights_only=True), strict=False)
+    net.to(memory_format=torch.channels_last).train()
     shadow = {name: value.clone() for name, value in net.state_dict().items()}
     optimiser = torch.optim.AdamW(net.parameters(), lr=rate, weight_decay=0.01)
     loader = iter(DataLoader(Stream(maker, seed, billboards), batch, num_workers=1, prefetch_factor=4))
@@ -87,6 +112,7 @@ def train(maker, weights, seconds, rate, batch, seed, billboards, out, log=print
         for group in optimiser.param_groups:
             group["lr"] = rate * warm * (0.02 + 0.98 * 0.5 * (1 + np.cos(np.pi * share)))
         image, labels = next(loader)
+        image = image.contiguous(memory_format=torch.channels_last)
         with torch.autocast("cpu", torch.bfloat16, enabled=bf16):
             logits = net(image)
         loss = loss_of(logits, labels, image)

@@ -65,13 +65,14 @@ def labels(p, tree, has_alpha=None):
     radius = max(1, round(max(height, width) * 0.006))
     guide = tree.rgba[..., :3].astype(np.float32) @ np.array([0.30, 0.59, 0.11], np.float32) / 255
     if has_alpha:
-        return connected(decided(p, tree.rgba[..., 3]), p)
+        return connected(decided(p, tree.rgba[..., 3]), p, islands=True)
     p = np.stack([guided(guide, c, radius, 1e-3) for c in p])
     return connected(decided(p, None), p)
 
 
-def connected(classes, p):
-    """Drops specks: trunk parts away from the largest, crown islands far smaller than the tree."""
+def connected(classes, p, islands=False):
+    """Drops specks: trunk parts much smaller than the largest, and, unless `islands` may stay, parts
+    far smaller than the tree."""
     classes = classes.copy()
     parts, count = scipy.ndimage.label(classes == TRUNK, np.ones((3, 3)))
     if count > 1:
@@ -81,7 +82,7 @@ def connected(classes, p):
         other = np.where(p[CROWN] >= p[BACKGROUND], CROWN, BACKGROUND)
         classes[specks] = other[specks]
     parts, count = scipy.ndimage.label(classes > 0, np.ones((3, 3)))
-    if count > 1:
+    if count > 1 and not islands:
         areas = np.bincount(parts.ravel())[1:]
         small = 1 + np.flatnonzero(areas < 0.01 * areas.max())
         classes[np.isin(parts, small) & (p[BACKGROUND] > 0.1)] = BACKGROUND

@@ -104,6 +104,15 @@ def skirted(rng, tree):
     return dataclasses.replace(tree, rgba=rgba, labels=labels)
 
 
+def footless(tree):
+    """The tree without its trunk, as when it is hidden or cut off."""
+    rgba, labels = tree.rgba.copy(), tree.labels.copy()
+    trunk = cv2.dilate((labels == TRUNK).astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
+    trunk &= labels != CROWN
+    rgba[trunk], labels[trunk] = 0, BACKGROUND
+    return dataclasses.replace(tree, rgba=rgba, labels=labels)
+
+
 def cutout(tree):
     """A photograph's tree as a billboard: its labels become the alpha."""
     alpha = cv2.GaussianBlur((tree.labels > 0).astype(np.float32) * 255, (0, 0), 0.7)
@@ -111,6 +120,12 @@ def cutout(tree):
     rgba = tree.rgba.copy()
     rgba[..., 3] = alpha.astype(np.uint8)
     return dataclasses.replace(tree, rgba=rgba, has_alpha=True)
+
+
+def emptied(tree):
+    """A photograph without its tree: what stood around it, spread over the gap."""
+    hole = cv2.dilate((tree.labels > 0).astype(np.uint8), np.ones((9, 9), np.uint8))
+    return cv2.inpaint(np.ascontiguousarray(tree.rgba[..., :3]), hole, 5, cv2.INPAINT_TELEA)
 
 
 def warp(layer_rgba, labels, matrix, size):
@@ -261,6 +276,8 @@ class Maker:
         self.boards = [self.ladder(tree) for tree in billboards]
         self.photos = [self.ladder(tree) for tree in photos]
         self.cutouts = [self.ladder(cutout(tree)) for tree in photos]
+        small = [shrunk(tree, self.size) for tree in photos]
+        self.backdrops = [(emptied(tree), bounds(tree.labels)) for tree in small]
         self.real_share = real_share if real else 0.0
 
     def ladder(self, tree):
@@ -289,6 +306,8 @@ class Maker:
             tree = stretched_trunk(rng, tree)
         if rng.random() < 0.2 * changes:
             tree = skirted(rng, tree)
+        if rng.random() < 0.09 * changes and (tree.labels == CROWN).sum() > 200:
+            tree = footless(tree)
         layer = warp(tree.rgba, tree.labels, placement(rng, bounds(tree.labels), target), self.size)
         if rng.random() < 0.5 * changes:
             layer = thinned(rng, layer)
@@ -371,7 +390,11 @@ class Maker:
         height = min(height, foot - rows.start + tall * (0.05 if rng.random() < 0.2 else 0.0))
         centre = (columns.start + columns.stop) / 2 + rng.normal(0, 0.06) * wide
         main = self.tree(rng, (centre, foot, height, wide * rng.uniform(0.8, 1.1)), tree=chosen)
-        if rng.random() < 0.18:
+        if self.backdrops and rng.random() < 0.4:
+            picture = self.backdrop(rng, centre, foot, height)
+            if rng.random() < 0.5:
+                picture = shadowed(rng, picture, centre, foot, height)
+        elif rng.random() < 0.18:
             picture = scenes.plain(rng, size)
         else:
             horizon = foot - rng.uniform(-0.03, 0.25) * tall
@@ -389,6 +412,22 @@ class Maker:
         if rng.random() < 0.6:
             picture = lit(rng, np.clip(picture, 0, 1))
         return self.framed(rng, picture, labels, rows, columns)
+
+    def backdrop(self, rng, centre, foot, height):
+        """A photograph's surroundings, so that the new tree stands where the old one stood."""
+        size = self.size
+        picture, (left, top, right, bottom) = self.backdrops[rng.integers(len(self.backdrops))]
+        scale = height / (bottom - top) * np.exp(rng.normal(0, 0.2))
+        scale = max(scale, 0.8 * size / max(picture.shape[:2]))
+        mirror = -1.0 if rng.random() < 0.5 else 1.0
+        linear = np.array([[mirror * scale, 0], [0, scale]])
+        shift = np.array([centre, foot]) - linear @ np.array([(left + right) / 2, bottom])
+        matrix = np.hstack([linear, shift[:, None]]).astype(np.float32)
+        back = cv2.warpAffine(picture, matrix, (size, size), flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT)
+        back = back.astype(np.float32) / 255
+        if rng.random() < 0.6:
+            back = np.clip(back @ hue_rotation(rng.normal(0, 0.4), rng.uniform(0.4, 1.5)).T, 0, 1)
+        return lit(rng, back).astype(np.float32)
 
     def neighbours(self, rng, picture, centre, horizon, tall, wide):
         """Other trees behind, which are background."""

@@ -78,6 +78,8 @@ def drawing(tree, classes, title):
 
 
 def sheet(drawings, path, columns):
+    if not drawings:
+        return
     wide = max(d.shape[1] for d in drawings)
     cells = [cv2.copyMakeBorder(d, 0, 4, 0, wide - d.shape[1] + 4, cv2.BORDER_CONSTANT) for d in drawings]
     while len(cells) % columns:
@@ -117,6 +119,7 @@ def main():
     flags.add_argument("--size", type=int, default=256)
     flags.add_argument("--draw", type=pathlib.Path, help="folder for pictures of every answer")
     flags.add_argument("--json", type=pathlib.Path, help="file for all scores")
+    flags.add_argument("--quick", action="store_true", help="leave out the billboards on painted backdrops")
     flags.add_argument("--quiet", action="store_true")
     o = flags.parse_args()
     torch.set_num_threads(1)
@@ -128,7 +131,7 @@ def main():
         if net is None:
             continue
         shown = [(tree, truth.get(tree.name), None)]
-        if tree.has_alpha:
+        if tree.has_alpha and not o.quick:
             shown += [(pasted(tree, (index, k)), None, "pasted") for k in range(2)]
         for picture, pin_truth, mode in shown:
             s = judge.score(net, picture, o.size, pin_truth, mode)

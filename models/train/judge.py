@@ -1,8 +1,8 @@
 """Labels a picture with the network as the program does, and scores the labels.
 
 Scores are at the size of the picture. Crown and trunk each have an IoU per picture; a class that
-the truth lacks is left out for that picture (what the network then finds wrongly lowers the IoU of
-the class it took it from). The headline is the mean of the mean crown IoU and the mean trunk IoU.
+both truth and answer lack is left out for that picture, a class that only one of them has counts 0.
+The headline is the mean of the mean crown IoU and the mean trunk IoU.
 """
 
 import dataclasses
@@ -13,6 +13,9 @@ import scipy.ndimage
 import torch
 
 from trees import BACKGROUND, CROWN, TRUNK, frame, network_input
+
+# Smallest trunk, as a part of the tree's pixels.
+LEAST_TRUNK = 0.002
 
 
 def probabilities(net, tree, size, temperature=1.0, has_alpha=None):
@@ -70,6 +73,12 @@ def labels(p, tree, has_alpha=None):
     return connected(decided(p, None), p)
 
 
+def replace(classes, where, p):
+    """Makes trunk what is likeliest after trunk."""
+    other = np.where(p[CROWN] >= p[BACKGROUND], CROWN, BACKGROUND)
+    classes[where] = other[where]
+
+
 def connected(classes, p, islands=False):
     """Drops specks: trunk parts much smaller than the largest, and, unless `islands` may stay, parts
     far smaller than the tree."""
@@ -78,9 +87,9 @@ def connected(classes, p, islands=False):
     if count > 1:
         areas = np.bincount(parts.ravel())[1:]
         small = 1 + np.flatnonzero(areas < 0.2 * areas.max())
-        specks = np.isin(parts, small)
-        other = np.where(p[CROWN] >= p[BACKGROUND], CROWN, BACKGROUND)
-        classes[specks] = other[specks]
+        replace(classes, np.isin(parts, small), p)
+    if (classes == TRUNK).sum() < LEAST_TRUNK * (classes > 0).sum():
+        replace(classes, classes == TRUNK, p)
     parts, count = scipy.ndimage.label(classes > 0, np.ones((3, 3)))
     if count > 1 and not islands:
         areas = np.bincount(parts.ravel())[1:]
@@ -90,9 +99,10 @@ def connected(classes, p, islands=False):
 
 
 def iou(truth, found, kind):
-    """IoU of one class, or None when the truth has none of it."""
+    """IoU of one class, or None when neither truth nor answer has any of it."""
     a, b = truth == kind, found == kind
-    return float((a & b).sum() / (a | b).sum()) if a.any() else None
+    either = (a | b).sum()
+    return float((a & b).sum() / either) if either else None
 
 
 def pins(classes):

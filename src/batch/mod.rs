@@ -20,6 +20,7 @@ pub(crate) mod library;
 pub(crate) mod output;
 pub(crate) mod records;
 pub(crate) mod run;
+pub(crate) mod score;
 pub(crate) mod sheets;
 mod stamp;
 pub(crate) mod vary;

@@ -30,6 +30,7 @@ mod regions;
 mod render;
 mod reporter;
 mod samples;
+mod score;
 mod segment;
 mod session;
 mod synthesize;
@@ -78,6 +79,7 @@ enum Command {
     Inflate(inflate::Flags),
     Inspect(inspect::Flags),
     Segment(segment::Flags),
+    Score(score::Flags),
     Warp(warp::Flags),
     Recolor(recolor::Flags),
     Render(render::Flags),
@@ -99,6 +101,7 @@ impl Command {
             Self::Inflate(flags) => flags,
             Self::Inspect(flags) => flags,
             Self::Segment(flags) => flags,
+            Self::Score(flags) => flags,
             Self::Warp(flags) => flags,
             Self::Recolor(flags) => flags,
             Self::Render(flags) => flags,

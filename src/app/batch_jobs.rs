@@ -244,6 +244,7 @@ impl Studio {
                 ..ExemplarSettings::default()
             },
             choice: choice_settings(own),
+            season: None,
             cache: None,
         };
         let seed = own.seed;

@@ -21,6 +21,7 @@ pub(crate) mod output;
 pub(crate) mod records;
 pub(crate) mod run;
 pub(crate) mod score;
+pub(crate) mod season;
 pub(crate) mod sheets;
 mod stamp;
 pub(crate) mod vary;

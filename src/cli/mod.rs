@@ -31,6 +31,8 @@ mod render;
 mod reporter;
 mod samples;
 mod score;
+mod season;
+mod season_flags;
 mod segment;
 mod session;
 mod synthesize;
@@ -80,6 +82,7 @@ enum Command {
     Inspect(inspect::Flags),
     Segment(segment::Flags),
     Score(score::Flags),
+    Season(season::Flags),
     Warp(warp::Flags),
     Recolor(recolor::Flags),
     Render(render::Flags),
@@ -102,6 +105,7 @@ impl Command {
             Self::Inspect(flags) => flags,
             Self::Segment(flags) => flags,
             Self::Score(flags) => flags,
+            Self::Season(flags) => flags,
             Self::Warp(flags) => flags,
             Self::Recolor(flags) => flags,
             Self::Render(flags) => flags,

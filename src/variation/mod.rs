@@ -3,7 +3,7 @@
 //! After Argudo, Andújar & Chica, *Tree Variations* (2017); what we do otherwise is said where it
 //! is done.
 //!
-//! Imports `base`, `raster`, `geometry`, `contour`, `segment`.
+//! Imports `base`, `raster`, `geometry`, `contour`, `segment`, `branches`.
 
 mod cache;
 mod choice;
@@ -20,6 +20,7 @@ mod normalize;
 mod palette;
 mod repetition;
 mod sampling;
+mod season;
 mod synthesis;
 mod warp;
 mod warp_image;
@@ -36,6 +37,7 @@ pub use mixing_map::MixingMap;
 pub use normalize::{Normalized, Placement, normalized};
 pub use palette::Palette;
 pub use repetition::{Likeness, Look, MOST_COMPARED, Pair, Repetition};
+pub use season::{Season, SeasonSettings, is_evergreen, named_evergreen, put_in_season};
 pub use synthesis::{Layout, Source, Variation, synthesized};
 pub use warp::{Warp, WarpPrecision};
 pub use warp_image::{inside_polygons, warped};

@@ -245,6 +245,7 @@ impl Studio {
                 ..ExemplarSettings::default()
             },
             choice: choice_settings(own),
+            season: None,
             cache: None,
         };
         let seed = own.seed;

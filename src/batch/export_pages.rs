@@ -5,12 +5,14 @@ use super::export_shared::Files;
 use super::failure::Failure;
 use super::input::PictureFile;
 use super::run::Run;
+use crate::base::{Cancel, Seed};
 use crate::export::{
     AtlasSettings, AtlasSprite, PageContent, PresetTree, SpriteLayout, atlas_json_array,
     atlas_json_hash, atlas_layout, atlas_page, mips,
 };
 use crate::raster::{Compression, Image, Rect, Straight, encode_opaque_png, encode_png, resized};
-use crate::variation::{Histogram, Transfer};
+use crate::segment::{Classical, SegmentError, Segmenter as _};
+use crate::variation::{Season, SeasonSettings, Tree, is_evergreen, put_in_season};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -247,11 +249,18 @@ pub(crate) fn write_flightgear(
                 continue;
             }
             let flat = (*map != "albedo").then(|| small(settings, tree, map, size, session));
-            let flat = flat.transpose()?;
-            for season in 0..SEASONS {
-                let image = flat
-                    .clone()
-                    .unwrap_or_else(|| in_season(&color, season, settings.evergreen));
+            let rows = match flat.transpose()? {
+                Some(flat) => [0; SEASONS as usize].map(|_| flat.clone()),
+                None => {
+                    let seed = Seed(session.seed).derive("season", u64::from(column));
+                    in_seasons(color.clone(), settings.evergreen, seed, session.cancel)?
+                }
+            };
+            for (season, image) in (0u32..).zip(&rows) {
+                let alpha = match *map == "albedo" {
+                    true => image.map(|pixel| pixel.alpha()),
+                    false => alpha.clone(),
+                };
                 // Standing on the cell's lower edge, in its middle.
                 let x = column * cell[0] + (cell[0] - size[0]) / 2;
                 let y = (season + 1) * cell[1] - size[1];
@@ -299,85 +308,87 @@ fn fitted(tree: &PresetTree, cell: [u32; 2]) -> [u32; 2] {
         .map(|side| ((f64::from(side) * scale).round() as u32).max(1))
 }
 
-/// A tree as it looks in row `season` of the atlas: summer, snowy summer, winter, snowy winter.
-///
-/// Winter's colours come by matching the histogram of its light with those of dry bark and dead
-/// leaves, unless it is `evergreen`; snow lies where light falls: the brighter half of the pixels is
-/// matched with the colours of snow. Light alone is matched, not channel by channel: that would turn
-/// brown trunks purple.
-fn in_season(summer: &Image<Straight>, season: u32, evergreen: bool) -> Image<Straight> {
-    /// Darkest and lightest colour of the palettes; values between are spread evenly.
-    const WINTER: [[u8; 3]; 2] = [[34, 27, 22], [150, 128, 104]];
-    const SNOW: [[u8; 3]; 2] = [[168, 180, 196], [250, 252, 255]];
-    let grey = summer.map(|pixel| {
-        let value = (light(*pixel) / 256) as u8;
-        Straight([value, value, value, pixel.alpha()])
-    });
-    let mut image = summer.clone();
-    if season >= 2 && !evergreen {
-        image = grey.clone();
-        Transfer::between(&Histogram::of(&grey), &palette(WINTER)).apply(&mut image);
-    }
-    if season % 2 == 1 {
-        let lit = median_light(summer);
-        let is_lit = |pixel: &Straight| pixel.alpha() > 0 && light(*pixel) >= lit;
-        let bright = grey.pixels().iter().zip(summer.pixels());
-        let bright = bright.filter(|(_, summer)| is_lit(summer));
-        let bright = Histogram::of_pixels(bright.map(|(grey, _)| *grey));
-        let map = Transfer::between(&bright, &palette(SNOW));
-        let pixels = grey.pixels().iter().zip(summer.pixels());
-        for (out, (grey, summer)) in image.pixels_mut().iter_mut().zip(pixels) {
-            if is_lit(summer) {
-                *out = map.applied(*grey);
-            }
-        }
-    }
-    image
-}
+/// Snow of the snowy rows.
+const SNOW: f64 = 0.6;
 
-fn light(pixel: Straight) -> u32 {
-    let [r, g, b, _] = pixel.0.map(u32::from);
-    54 * r + 183 * g + 19 * b
-}
-
-fn median_light(image: &Image<Straight>) -> u32 {
-    let seen = image.pixels().iter().filter(|pixel| pixel.alpha() > 0);
-    let mut lights: Vec<u32> = seen.map(|pixel| light(*pixel)).collect();
-    lights.sort_unstable();
-    lights.get(lights.len() / 2).copied().unwrap_or(0)
-}
-
-/// The histogram of the colours between two.
-fn palette([dark, light]: [[u8; 3]; 2]) -> Histogram {
-    Histogram::of_pixels((0..=255u32).map(|share| {
-        let mixed = |c: usize| {
-            ((u32::from(dark[c]) * (255 - share) + u32::from(light[c]) * share) / 255) as u8
+/// A tree as it looks in each row of the atlas: summer, snowy summer, winter, snowy winter. Trees that
+/// look evergreen, and all where they are said to be, keep their leaves.
+fn in_seasons(
+    summer: Image<Straight>,
+    evergreen: bool,
+    seed: Seed,
+    cancel: &Cancel,
+) -> Result<[Image<Straight>; SEASONS as usize], Failure> {
+    let labels = Classical.segment(&summer, cancel);
+    let labels = labels.map_err(|error| match error {
+        SegmentError::Cancelled(cancelled) => cancelled.into(),
+        error => Failure::BadInput(error.to_string()),
+    })?;
+    let tree = Tree {
+        image: summer,
+        labels,
+    };
+    let evergreen = evergreen || is_evergreen(&tree, cancel)?;
+    let row = |season: Option<Season>, snow: f64| {
+        let mut tree = tree.clone();
+        let settings = SeasonSettings {
+            amount: f64::from(u8::from(season.is_some())),
+            snow,
+            season: season.unwrap_or(Season::Summer),
         };
-        Straight([mixed(0), mixed(1), mixed(2), 255])
-    }))
+        put_in_season(&mut tree, &settings, evergreen, None, seed, cancel)?;
+        Ok::<_, Failure>(tree.image)
+    };
+    Ok([
+        row(None, 0.0)?,
+        row(None, SNOW)?,
+        row(Some(Season::Winter), 0.0)?,
+        row(Some(Season::Winter), SNOW)?,
+    ])
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn crown() -> Image<Straight> {
-        let pixels = (0..64u8).map(|i| Straight([40 + i, 90 + 2 * i, 20, 255]));
-        Image::from_pixels(8, 8, pixels.collect())
+    /// A round green crown on a brown trunk.
+    fn tree() -> Image<Straight> {
+        let mut image = Image::filled(96, 128, Straight([0; 4]));
+        for y in 0..128u32 {
+            for x in 0..96u32 {
+                let (dx, dy) = (f64::from(x) - 48.0, f64::from(y) - 48.0);
+                let light = ((x * 7 + y * 13) % 40) as u8;
+                if dx.hypot(dy) < 44.0 {
+                    image.set(x, y, Straight([40 + light, 90 + 2 * light, 20, 255]));
+                } else if y > 80 && dx.abs() < 6.0 {
+                    image.set(x, y, Straight([70 + light, 54 + light, 40, 255]));
+                }
+            }
+        }
+        image
     }
 
     #[test]
-    fn seasons_are_brown_white_or_as_they_were() {
-        let summer = crown();
-        assert_eq!(in_season(&summer, 0, false), summer);
-        assert_eq!(in_season(&summer, 2, true), summer);
-        for pixel in in_season(&summer, 2, false).pixels() {
-            let [r, g, b, _] = pixel.0;
-            assert!(r >= g && g >= b, "{pixel:?}");
-        }
-        let snowy = in_season(&summer, 1, false);
-        let white = snowy.pixels().iter().filter(|p| p.0[2] >= 168).count();
-        assert!((30..=36).contains(&white), "{white}");
-        assert_eq!(snowy.at(0, 0), summer.at(0, 0));
+    fn seasons_are_bare_white_or_as_they_were() {
+        let summer = tree();
+        let rows =
+            |evergreen| in_seasons(summer.clone(), evergreen, Seed(1), &Cancel::new()).unwrap();
+        let seen =
+            |image: &Image<Straight>| image.pixels().iter().filter(|p| p.alpha() > 127).count();
+        let white = |image: &Image<Straight>| {
+            image
+                .pixels()
+                .iter()
+                .filter(|p| p.alpha() > 127 && p.0[2] >= 148)
+                .count()
+        };
+        let [own, snowy, bare, snowy_bare] = rows(false);
+        assert_eq!(own, summer);
+        assert!(white(&snowy) > seen(&summer) / 5, "{}", white(&snowy));
+        assert!(seen(&bare) < seen(&summer) * 3 / 4, "{}", seen(&bare));
+        assert!(white(&snowy_bare) > white(&bare));
+        let is_green = |p: &&Straight| p.alpha() > 127 && p.0[1] > p.0[0] + 30;
+        assert!(bare.pixels().iter().filter(is_green).count() < seen(&bare) / 50);
+        assert_eq!(rows(true)[2], summer);
     }
 }

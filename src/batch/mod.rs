@@ -20,6 +20,8 @@ pub(crate) mod library;
 pub(crate) mod output;
 pub(crate) mod records;
 pub(crate) mod run;
+pub(crate) mod score;
+pub(crate) mod season;
 pub(crate) mod sheets;
 mod stamp;
 pub(crate) mod vary;

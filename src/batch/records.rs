@@ -4,7 +4,7 @@ use super::failure::Failure;
 use crate::base::{Seed, read_limited};
 use crate::contour::PinnedContour;
 use crate::geometry::Point;
-use crate::variation::{Chosen, Distortion, ExemplarSettings, Library};
+use crate::variation::{Chosen, Distortion, ExemplarSettings, Library, SeasonSettings};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -42,6 +42,9 @@ pub(crate) struct TreeRecord {
     /// The picture whose colours the tree was given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) like: Option<ExemplarRecord>,
+    /// The season it was put into.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) season: Option<SeasonRecord>,
     pub(crate) distortion: Distortion,
     pub(crate) pins: PinsRecord,
     /// Width and height of the picture, in pixels.
@@ -55,6 +58,16 @@ pub(crate) struct ExemplarRecord {
     pub(crate) file: String,
     /// Digest of the file's content, BLAKE3.
     pub(crate) digest: String,
+}
+
+/// The season that a tree was put into.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub(crate) struct SeasonRecord {
+    #[serde(flatten)]
+    pub(crate) settings: SeasonSettings,
+    /// Whether it keeps its leaves; where it is not told, its looks decide.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) evergreen: Option<bool>,
 }
 
 /// Foot and trunk tops in pixels of the picture.
@@ -116,6 +129,7 @@ impl TreeRecord {
                 .collect(),
             color_weights: chosen.parts.iter().map(|part| part.color_weight).collect(),
             like: like.cloned(),
+            season: None,
             distortion: chosen.layout.distortion,
             pins: PinsRecord::of(&chosen.layout.contour),
             size: [chosen.layout.size; 2],

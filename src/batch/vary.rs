@@ -6,13 +6,14 @@ use super::library::opened;
 use super::output::recipe;
 use super::records::{ExemplarRecord, LibraryRecord, TreeRecord};
 use super::run::Run;
+use super::season::SeasonJob;
 use crate::base::{Digest, Hasher, Seed};
 use crate::pipeline::{GalleryTree, Pool, tree_maps};
 use crate::raster::{Compression, Image, encode_grey_png, encode_png};
 use crate::segment::{Classical, grey_from_labels};
 use crate::variation::{
-    ChoiceSettings, Chosen, ExemplarSettings, Library, LibraryPicture, Palette, Shape, Tree,
-    TreeMaker, chosen,
+    ChoiceSettings, Chosen, ExemplarSettings, Histogram, Library, LibraryPicture, Palette, Shape,
+    Tree, TreeMaker, chosen,
 };
 use clap::ValueEnum;
 use rayon::prelude::*;
@@ -92,6 +93,8 @@ pub(crate) struct Vary {
     pub(crate) sheet: Option<PathBuf>,
     pub(crate) settings: ExemplarSettings,
     pub(crate) choice: ChoiceSettings,
+    /// The season that all trees are put into.
+    pub(crate) season: Option<SeasonJob>,
     pub(crate) cache: Option<PathBuf>,
 }
 
@@ -137,15 +140,18 @@ impl Vary {
             .output
             .check_same(&out.join("library.json"), json.as_bytes())?;
 
-        let palettes = likes.into_iter().map(|like| Some(like.palette));
+        // With a season, pictures give the colours of its leaves.
+        let palettes: Vec<Palette> = likes.into_iter().map(|like| like.palette).collect();
+        let of_maker = |palette: &Palette| self.season.is_none().then(|| palette.clone());
         let makers: Vec<TreeMaker<'_>> = std::iter::once(None)
-            .chain(palettes)
+            .chain(palettes.iter().map(of_maker))
             .map(|palette| TreeMaker::new(&library, palette))
             .collect();
         let items: Vec<(&Decided, &TreeRecord)> = trees.iter().zip(&record.trees).collect();
         items::made(session, "vary", &items, |_, (tree, record)| {
             let maker = &makers[tree.like.map_or(0, |like| like + 1)];
-            make_tree(maker, &tree.chosen, record, &outputs, session)
+            let like = tree.like.map(|like| palettes[like].crown());
+            make_tree(maker, &tree.chosen, record, like, &outputs, session)
         })?;
         session
             .output
@@ -216,7 +222,11 @@ impl Vary {
         let trees = (0u32..).zip(trees).map(|(index, tree)| {
             let like = tree.like.map(|like| &likes[like].record);
             let name = tree_name(index);
-            TreeRecord::new(name, tree.seed, &tree.chosen, library, target, like)
+            let record = TreeRecord::new(name, tree.seed, &tree.chosen, library, target, like);
+            let season = self
+                .season
+                .map(|season| season.record(&tree.chosen, library));
+            TreeRecord { season, ..record }
         });
         LibraryRecord::new(&self.folder, self.settings, trees.collect())
     }
@@ -310,11 +320,13 @@ impl Like {
     }
 }
 
-/// Makes and writes one tree, unless it is there already.
+/// Makes and writes one tree, unless it is there already. In a season, `like` gives the colours of
+/// its leaves.
 pub(crate) fn make_tree(
     maker: &TreeMaker<'_>,
     chosen: &Chosen,
     record: &TreeRecord,
+    like: Option<&Histogram>,
     outputs: &Outputs<'_>,
     session: &Run<'_>,
 ) -> Result<(), Failure> {
@@ -326,7 +338,10 @@ pub(crate) fn make_tree(
     {
         return Ok(());
     }
-    let tree = maker.make(chosen, session.cancel)?;
+    let mut tree = maker.make(chosen, session.cancel)?;
+    if let Some(season) = &record.season {
+        season.put(&mut tree, like, Seed(record.seed), session.cancel)?;
+    }
     if let Some(shown) = session.shown {
         shown(&tree.image);
     }

@@ -71,6 +71,7 @@ impl Job for Flags {
                 ..Default::default()
             },
             choice: ChoiceSettings::default(),
+            season: None,
             cache: None,
         };
         vary.run(&Classical, &out.join("trees"), session)?;

@@ -32,6 +32,9 @@ mod regions;
 mod render;
 mod reporter;
 mod samples;
+mod score;
+mod season;
+mod season_flags;
 mod segment;
 mod session;
 mod synthesize;
@@ -43,7 +46,9 @@ mod vary_flags;
 mod warp;
 
 use crate::app;
-use crate::base::{Cancel, Progress, folder_of, limit_vector_level, remove_left_parts, with_threads};
+use crate::base::{
+    Cancel, Progress, folder_of, limit_vector_level, remove_left_parts, with_threads,
+};
 use crate::batch::run::Run;
 use crate::batch::{failure, input, items, output, records};
 use clap::{Parser, Subcommand};
@@ -80,6 +85,8 @@ enum Command {
     Inflate(inflate::Flags),
     Inspect(inspect::Flags),
     Segment(segment::Flags),
+    Score(score::Flags),
+    Season(season::Flags),
     Warp(warp::Flags),
     Recolor(recolor::Flags),
     Render(render::Flags),
@@ -101,6 +108,8 @@ impl Command {
             Self::Inflate(flags) => flags,
             Self::Inspect(flags) => flags,
             Self::Segment(flags) => flags,
+            Self::Score(flags) => flags,
+            Self::Season(flags) => flags,
             Self::Warp(flags) => flags,
             Self::Recolor(flags) => flags,
             Self::Render(flags) => flags,

@@ -2,6 +2,7 @@
 
 use super::failure::Failure;
 use super::library::{CacheFlags, picture_files, pictures};
+use super::season_flags::SeasonFlags;
 use super::segment::SegmenterFlags;
 use super::session::Session;
 use super::vary_flags::{ColorsFlag, WeightRange};
@@ -21,6 +22,7 @@ use std::path::{Path, PathBuf};
 #[command(after_help = "Examples:
   boscage vary --library trees --count 20 --out new --sheet new/sheet.png
   boscage vary --library trees --target oak.png --strength 0.5 --count 8 --out oaks
+  boscage vary --library trees --season autumn --season-amount 0.5 --count 20 --out autumn
   boscage vary --recipe new/library.json#tree_0003 --out again")]
 pub(super) struct Flags {
     /// Folder of RGBA tree pictures
@@ -62,6 +64,8 @@ pub(super) struct Flags {
     /// Make one tree again: FILE.json#NAME
     #[arg(long, value_name = "FILE.json#NAME", conflicts_with_all = ["target", "count", "mix", "weights", "colors", "size", "maps", "any_pair"])]
     pub(super) recipe: Option<String>,
+    #[command(flatten)]
+    pub(super) season: SeasonFlags,
     #[command(flatten)]
     pub(super) segmenter: SegmenterFlags,
     #[command(flatten)]
@@ -125,6 +129,7 @@ impl Flags {
                 strength: self.strength,
                 selective: !self.any_pair,
             },
+            season: self.season.checked()?,
             cache: self.cache.folder(),
         })
     }

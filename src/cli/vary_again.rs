@@ -61,9 +61,13 @@ pub(super) fn run(
     )?;
     let chosen = chosen_again(tree, &library, file)?;
     let like = like_again(flags, tree, &record, segmenter, session)?;
-    let maker = TreeMaker::new(&library, like.map(|like| like.palette));
+    let palette = like.map(|like| like.palette);
+    // In a season the picture gives the colours of its leaves.
+    let of_maker = palette.clone().filter(|_| tree.season.is_none());
+    let maker = TreeMaker::new(&library, of_maker);
+    let leaves = palette.as_ref().map(|palette| palette.crown());
     let stage = session.progress.stage("vary", 1);
-    make_tree(&maker, &chosen, tree, &outputs, session)?;
+    make_tree(&maker, &chosen, tree, leaves, &outputs, session)?;
     drop(stage);
     session.print_json(|| json!({"trees": [tree], "seconds": session.seconds()}))
 }

@@ -296,9 +296,7 @@ fn check_size(width: u32, height: u32, bytes: u64, limits: ReadLimits) -> Result
 pub(super) fn blank(width: u32, height: u32, pixels: u64) -> Result<Vec<Straight>, Refusal> {
     usize::try_from(pixels)
         .ok()
-        .and_then(|count| {
-            asking_for_memory(|| bytemuck::allocation::try_zeroed_vec(count)).ok()
-        })
+        .and_then(|count| asking_for_memory(|| bytemuck::allocation::try_zeroed_vec(count)).ok())
         .ok_or(Refusal::OutOfMemory { width, height })
 }
 

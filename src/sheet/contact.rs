@@ -78,7 +78,7 @@ pub(super) fn common_scale<'a>(bounds: impl Iterator<Item = &'a Rect>, side: u32
 }
 
 /// Where everything goes.
-struct Grid {
+pub(super) struct Grid {
     columns: usize,
     width: u32,
     height: u32,
@@ -94,7 +94,7 @@ struct Grid {
 }
 
 impl Grid {
-    fn new(cells: &[Cell<'_>], columns: usize, cell_px: u32) -> Self {
+    pub(super) fn new(cells: &[Cell<'_>], columns: usize, cell_px: u32) -> Self {
         assert!(
             !cells.is_empty() && columns > 0 && cell_px > 0,
             "a sheet shows something"
@@ -121,7 +121,7 @@ impl Grid {
     }
 
     /// Middle and ground line of cell `index`.
-    fn place(&self, index: usize) -> (f64, u32) {
+    pub(super) fn place(&self, index: usize) -> (f64, u32) {
         let (row, column) = (index / self.columns, index % self.columns);
         let middle = self.margin as f64 + (column as f64 + 0.5) * f64::from(self.cell_px);
         (

@@ -2,7 +2,7 @@
 //!
 //! Plain pixels, drawn with `tiny-skia`: the same bits on every machine, no window needed.
 //!
-//! Imports `raster`, `geometry`, `contour`.
+//! Imports `base`, `raster`, `geometry`, `contour`.
 
 mod contact;
 mod font;
@@ -10,9 +10,11 @@ mod overlay;
 mod paint;
 mod scene;
 mod silhouette;
+mod stand;
 mod table;
 
 pub use contact::{Cell, contact_sheet};
 pub use overlay::{Overlay, overlay};
 pub use silhouette::silhouette;
+pub use stand::{Forest, rows_of_trees};
 pub use table::table_sheet;

@@ -46,9 +46,23 @@ impl Standing {
     /// The part `bounds` of `image`, `scale` times as large.
     pub(super) fn new(image: &Image<Premultiplied>, bounds: Rect, scale: f64) -> Self {
         let side = |pixels: u32| ((f64::from(pixels) * scale).round() as u32).max(1);
-        let image = resized(image, bounds, side(bounds.width), side(bounds.height));
+        Self::whole(resized(
+            image,
+            bounds,
+            side(bounds.width),
+            side(bounds.height),
+        ))
+    }
+
+    /// All of `image`, at its size.
+    pub(super) fn whole(image: Image<Premultiplied>) -> Self {
         let foot = foot(&image);
         Self { image, foot }
+    }
+
+    /// The tree.
+    pub(super) fn into_image(self) -> Image<Premultiplied> {
+        self.image
     }
 
     /// Puts the tree on the ground line `ground` pixels from the top, centred on x = `middle`.

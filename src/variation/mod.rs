@@ -3,13 +3,14 @@
 //! After Argudo, Andújar & Chica, *Tree Variations* (2017); what we do otherwise is said where it
 //! is done.
 //!
-//! Imports `base`, `raster`, `geometry`, `contour`, `segment`.
+//! Imports `base`, `raster`, `geometry`, `contour`, `segment`, `branches`.
 
 mod cache;
 mod choice;
 mod distortion;
 mod exemplar;
 mod histogram;
+mod hsl;
 mod library;
 mod maker;
 mod mean_value;
@@ -17,7 +18,9 @@ mod mix;
 mod mixing_map;
 mod normalize;
 mod palette;
+mod repetition;
 mod sampling;
+mod season;
 mod synthesis;
 mod warp;
 mod warp_image;
@@ -26,12 +29,15 @@ pub use choice::{ChoiceSettings, Chosen, Coloring, Part, are_of_a_kind, chosen, 
 pub use distortion::Distortion;
 pub use exemplar::{Exemplar, ExemplarError, ExemplarSettings, Outlined, Shape};
 pub use histogram::{Histogram, Transfer};
+pub use hsl::{HslShift, hsl, rgb};
 pub use library::{Entry, Library, LibraryError, LibraryPicture, Refused};
 pub use maker::{Draft, Drafts, Tree, TreeMaker};
 pub use mean_value::{Cage, CageError, coordinates, mapped_exactly};
 pub use mixing_map::MixingMap;
 pub use normalize::{Normalized, Placement, normalized};
 pub use palette::Palette;
+pub use repetition::{Likeness, Look, MOST_COMPARED, Pair, Repetition};
+pub use season::{Season, SeasonSettings, is_evergreen, named_evergreen, put_in_season};
 pub use synthesis::{Layout, Source, Variation, synthesized};
 pub use warp::{Warp, WarpPrecision};
 pub use warp_image::{inside_polygons, warped};

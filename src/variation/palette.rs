@@ -33,6 +33,11 @@ impl Palette {
         Self::of(&exemplar.image.straight(), &exemplar.labels)
     }
 
+    /// The distribution of the crown's colours.
+    pub fn crown(&self) -> &Histogram {
+        &self.crown
+    }
+
     /// Gives `image` the blend of the `references`, each with its weight.
     pub fn apply(image: &mut Image<Straight>, labels: &Labels, references: &[(&Self, f64)]) {
         let own = Self::of(image, labels);

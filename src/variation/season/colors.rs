@@ -1,0 +1,300 @@
+//! Leaves that turn: which first, and to which colours.
+//!
+//! Each leaf has an *earliness*, made of its height, its distance from the crown's middle, its clump (smooth
+//! noise) and whether light reaches it; the earliest share of the crown has turned. What a leaf turns to
+//! is a place on the season's path of palettes: green, yellow-green, gold, orange, russet. Along a
+//! path colours are mixed; which end a tree reaches is drawn, and differs a little between clumps.
+
+use super::Season;
+use super::leaves::Leaves;
+use crate::base::{Cancel, Cancelled, Random, Seed};
+use crate::raster::Straight;
+use crate::segment::Label;
+use crate::variation::{Histogram, Transfer, Tree};
+use rayon::prelude::*;
+
+/// Colours of leaves from shade to light: at the darkest, the middle and the lightest of them.
+type Ramp = [[f64; 3]; 3];
+
+const SPRING: [Ramp; 1] = [[
+    [30.0, 44.0, 12.0],
+    [98.0, 126.0, 40.0],
+    [190.0, 210.0, 108.0],
+]];
+const SUMMER: [Ramp; 1] = [[[18.0, 30.0, 10.0], [66.0, 92.0, 36.0], [158.0, 180.0, 92.0]]];
+const AUTUMN: [Ramp; 4] = [
+    [
+        [38.0, 40.0, 10.0],
+        [132.0, 128.0, 36.0],
+        [214.0, 204.0, 92.0],
+    ],
+    [
+        [58.0, 42.0, 8.0],
+        [182.0, 140.0, 30.0],
+        [244.0, 214.0, 92.0],
+    ],
+    [[56.0, 28.0, 8.0], [186.0, 98.0, 28.0], [240.0, 172.0, 78.0]],
+    [
+        [42.0, 16.0, 10.0],
+        [146.0, 56.0, 28.0],
+        [216.0, 122.0, 66.0],
+    ],
+];
+
+/// How soft the border between turned and green leaves is, in shares of the crown.
+const SOFTNESS: f64 = 0.55;
+
+/// How much of a leaf's own difference from others of its light remains.
+const OWN_COLOR: f64 = 0.45;
+
+/// Clumps across the height of a crown.
+const CLUMPS: f64 = 7.0;
+
+/// Turns the leaves of `tree`.
+pub(super) fn turn(
+    tree: &mut Tree,
+    leaves: &Leaves,
+    season: Season,
+    amount: f64,
+    like: Option<&Histogram>,
+    seed: Seed,
+    cancel: &Cancel,
+) -> Result<(), Cancelled> {
+    let mut random = seed.derive("season", 0).random();
+    let path = Path::new(tree, leaves, season, like);
+    let ends = match (season, like) {
+        (Season::Autumn, None) => random.between(0.25, 0.95),
+        _ => 1.0,
+    };
+    let field = Field::new(tree, leaves, &mut random);
+    let ranks = field.ranks();
+    cancel.check()?;
+    let is_autumn = season == Season::Autumn;
+    let width = tree.image.width() as usize;
+    let rows = tree.image.pixels_mut().par_chunks_mut(width).enumerate();
+    rows.for_each(|(y, row)| {
+        for (x, pixel) in row.iter_mut().enumerate() {
+            let at = y * width + x;
+            let share = f64::from(leaves.share.pixels()[at]);
+            if share <= 0.0 || pixel.alpha() == 0 {
+                continue;
+            }
+            let (turned, place) = if is_autumn {
+                let turned = turned(ranks[at], amount);
+                let own = ends + 0.3 * (field.tint[at] - 0.5) + 0.1 * (ranks[at] - 0.5);
+                (turned, own.clamp(0.0, 1.0))
+            } else {
+                (amount, 1.0)
+            };
+            *pixel = path.color(*pixel, leaves.light.pixels()[at], turned * share, place);
+        }
+    });
+    Ok(())
+}
+
+/// For each pixel how far it has turned, or fallen, when `amount` of the crown's leaves have.
+pub(super) fn turned_shares(tree: &Tree, leaves: &Leaves, amount: f64, seed: Seed) -> Vec<f64> {
+    let field = Field::new(tree, leaves, &mut seed.derive("season", 1).random());
+    let ranks = field.ranks();
+    ranks.into_iter().map(|rank| turned(rank, amount)).collect()
+}
+
+/// How far leaves of this rank, 1 for the earliest, have turned when `amount` of the crown has.
+fn turned(rank: f64, amount: f64) -> f64 {
+    let t = ((amount * (1.0 + SOFTNESS) - (1.0 - rank)) / SOFTNESS).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+/// The colours that leaves go through.
+struct Path<'a> {
+    /// For each light of the crown its rank, 0 to 1.
+    rank: [f64; 256],
+    /// Mean colour of the crown's pixels of each light.
+    mean: [[f64; 3]; 256],
+    ramps: &'static [Ramp],
+    like: Option<(Transfer, &'a Histogram)>,
+}
+
+impl<'a> Path<'a> {
+    fn new(tree: &Tree, leaves: &Leaves, season: Season, like: Option<&'a Histogram>) -> Self {
+        let crown = Histogram::of_label(&tree.image, &tree.labels, Label::Crown);
+        let mut counts = [0.0f64; 256];
+        let mut sums = [[0.0f64; 3]; 256];
+        let pixels = tree.image.pixels().iter().zip(leaves.light.pixels());
+        for ((pixel, light), share) in pixels.zip(leaves.share.pixels()) {
+            if *share > 0.0 {
+                let light = usize::from(*light);
+                counts[light] += f64::from(*share);
+                for (sum, value) in sums[light].iter_mut().zip(pixel.0) {
+                    *sum += f64::from(*share) * f64::from(value);
+                }
+            }
+        }
+        let all: f64 = counts.iter().sum::<f64>().max(1e-9);
+        let mut below = 0.0;
+        let rank = counts.map(|count| {
+            below += count;
+            (below - 0.5 * count) / all
+        });
+        let mut mean = [[0.0; 3]; 256];
+        for ((mean, sums), count) in mean.iter_mut().zip(sums).zip(counts) {
+            *mean = sums.map(|sum| sum / count.max(1e-9));
+        }
+        Self {
+            rank,
+            mean,
+            ramps: match season {
+                Season::Spring => &SPRING,
+                Season::Autumn => &AUTUMN,
+                Season::Summer | Season::Winter => &SUMMER,
+            },
+            like: like.map(|like| (Transfer::between(&crown, like), like)),
+        }
+    }
+
+    /// The pixel's colour when it is `turned` by that share to `place` of the path.
+    fn color(&self, pixel: Straight, light: u8, turned: f64, place: f64) -> Straight {
+        let [r, g, b, alpha] = pixel.0;
+        let own = [r, g, b].map(f64::from);
+        let target = match &self.like {
+            Some((transfer, _)) => {
+                let [r, g, b, _] = transfer.applied(pixel).0;
+                [r, g, b].map(f64::from)
+            }
+            None => {
+                let light = usize::from(light);
+                let ramp = self.on_path(place * turned, self.rank[light]);
+                let rest = |c: usize| OWN_COLOR * (own[c] - self.mean[light][c]);
+                [0, 1, 2].map(|c| ramp[c] + rest(c))
+            }
+        };
+        let mixed = |c: usize| (own[c] + (target[c] - own[c]) * turned + 0.5).clamp(0.0, 255.0);
+        Straight([mixed(0) as u8, mixed(1) as u8, mixed(2) as u8, alpha])
+    }
+
+    fn on_path(&self, place: f64, rank: f64) -> [f64; 3] {
+        let last = self.ramps.len() - 1;
+        let along = place * last as f64;
+        let at = (along as usize).min(last.saturating_sub(1));
+        let (from, to) = (&self.ramps[at], &self.ramps[(at + 1).min(last)]);
+        let (from, to) = (on_ramp(from, rank), on_ramp(to, rank));
+        let share = (along - at as f64).clamp(0.0, 1.0);
+        [0, 1, 2].map(|c| from[c] + (to[c] - from[c]) * share)
+    }
+}
+
+/// A smooth curve through the three colours of a ramp.
+fn on_ramp(ramp: &Ramp, rank: f64) -> [f64; 3] {
+    let weights = if rank < 0.5 {
+        [1.0 - 2.0 * rank, 2.0 * rank, 0.0]
+    } else {
+        [0.0, 2.0 - 2.0 * rank, 2.0 * rank - 1.0]
+    };
+    [0, 1, 2].map(|c| weights[0] * ramp[0][c] + weights[1] * ramp[1][c] + weights[2] * ramp[2][c])
+}
+
+/// What decides when and how leaves turn, pixel by pixel.
+struct Field {
+    /// Larger for leaves that turn earlier.
+    earliness: Vec<f64>,
+    /// Whether the pixel is leaf.
+    is_leaf: Vec<bool>,
+    /// Where on the path a clump ends compared with others, 0 to 1.
+    tint: Vec<f64>,
+}
+
+impl Field {
+    fn new(tree: &Tree, leaves: &Leaves, random: &mut Random) -> Self {
+        let bounds = leaves.bounds;
+        let height = f64::from(bounds.height);
+        let middle = f64::from(bounds.x) + 0.5 * f64::from(bounds.width);
+        let [clumps, leafage, tints] = [0; 3].map(|_| Noise::new(random));
+        let width = tree.image.width();
+        let places = (0..tree.image.height()).flat_map(|y| (0..width).map(move |x| (x, y)));
+        let values = places.zip(leaves.relief.pixels()).map(|((x, y), relief)| {
+            let (x, y) = (f64::from(x), f64::from(y));
+            let down = (y - f64::from(bounds.y)) / height;
+            let aside = 2.0 * (x - middle).abs() / f64::from(bounds.width);
+            let at = [x / height * CLUMPS, y / height * CLUMPS];
+            let clump = clumps.at(at) + 0.5 * leafage.at(at.map(|v| 3.1 * v));
+            let earliness = 0.95 * (1.0 - down)
+                + 0.45 * aside * aside
+                + 1.1 * clump
+                + 0.12 * f64::from(*relief).clamp(-2.0, 2.0);
+            (earliness, tints.at(at.map(|v| 0.8 * v)))
+        });
+        let (earliness, tint) = values.unzip();
+        Self {
+            earliness,
+            tint,
+            is_leaf: leaves
+                .share
+                .pixels()
+                .iter()
+                .map(|share| *share > 0.0)
+                .collect(),
+        }
+    }
+
+    /// For each leaf the share of the crown that turns later.
+    fn ranks(&self) -> Vec<f64> {
+        const BINS: usize = 4096;
+        let (low, high) = (-1.5, 4.0);
+        let bin = |value: f64| {
+            (((value - low) / (high - low) * BINS as f64) as i64).clamp(0, BINS as i64 - 1) as usize
+        };
+        let mut counts = vec![0.0f64; BINS];
+        for (value, _) in self
+            .earliness
+            .iter()
+            .zip(&self.is_leaf)
+            .filter(|(_, leaf)| **leaf)
+        {
+            counts[bin(*value)] += 1.0;
+        }
+        let all: f64 = counts.iter().sum::<f64>().max(1.0);
+        let mut below = 0.0;
+        for count in &mut counts {
+            below += *count;
+            *count = below / all;
+        }
+        self.earliness
+            .iter()
+            .map(|value| counts[bin(*value)])
+            .collect()
+    }
+}
+
+/// Smooth noise in the plane, 0 to 1, that changes over a distance of about 1: value noise of a hashed
+/// lattice.
+pub(super) struct Noise {
+    salt: u64,
+}
+
+impl Noise {
+    pub(super) fn new(random: &mut Random) -> Self {
+        Self {
+            salt: random.bits(),
+        }
+    }
+
+    pub(super) fn at(&self, [x, y]: [f64; 2]) -> f64 {
+        let (column, row) = (x.floor(), y.floor());
+        let smooth = |t: f64| t * t * (3.0 - 2.0 * t);
+        let (s, t) = (smooth(x - column), smooth(y - row));
+        let knot = |dx: i64, dy: i64| {
+            let (x, y) = (column as i64 + dx, row as i64 + dy);
+            let place = (x as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15)
+                ^ (y as u64).wrapping_mul(0xc2b2_ae3d_27d4_eb4f);
+            Seed(self.salt ^ place).random().unit()
+        };
+        let upper = knot(0, 0) + (knot(1, 0) - knot(0, 0)) * s;
+        let lower = knot(0, 1) + (knot(1, 1) - knot(0, 1)) * s;
+        upper + (lower - upper) * t
+    }
+}
+
+/// The colours of a picture's pixels, light by light; kept for what only needs light.
+pub(super) fn ramp_of(dark: [f64; 3], middle: [f64; 3], light: [f64; 3], rank: f64) -> [u8; 3] {
+    on_ramp(&[dark, middle, light], rank).map(|v| (v + 0.5).clamp(0.0, 255.0) as u8)
+}

@@ -331,21 +331,36 @@ fn samples_are_written_bundled_or_grown() {
         .collect();
     assert!(names.len() >= 10 && names.iter().all(|name| read(name).height() == 1024));
     let folder = tempfile::tempdir().unwrap();
+    let few = [
+        "--species",
+        "pine,palm",
+        "--individuals",
+        "2",
+        "--first",
+        "3",
+    ];
     let small = ["samples", "--height", "48", "--out", text(folder.path())];
+    let small = [&small[..], &few, &["--layers"]].concat();
     let told = answer(&small);
     let samples = told["samples"].as_array().unwrap();
-    assert_eq!(samples.len(), names.len());
+    assert_eq!(samples.len(), 4);
     for sample in samples {
         let image = read(sample["file"].as_str().unwrap());
         let labels = read(sample["labels"].as_str().unwrap());
-        assert_eq!((image.width(), image.height()), (labels.width(), 48));
-        assert_eq!(sample["width"], image.width());
+        assert_eq!((image.width(), image.height()), (32, 48));
+        assert_eq!((labels.width(), labels.height()), (32, 48));
+        let legend = std::fs::read(sample["layers"][2].as_str().unwrap()).unwrap();
+        let legend: serde_json::Value = serde_json::from_slice(&legend).unwrap();
+        assert!(legend["height_m"].as_f64().unwrap() > 2.0);
+        assert!(legend["depth"]["step_m"].as_f64().unwrap() > 0.0);
     }
     refusal(&small);
     assert_eq!(
         answer(&[&small[..], &["--resume"]].concat())["samples"],
         told["samples"]
     );
+    let out = text(folder.path());
+    refusal(&["samples", "--species", "baobab", "--out", out]);
     refusal(&[
         "samples",
         "--bundled",

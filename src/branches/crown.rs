@@ -5,6 +5,7 @@
 //! real crowns are bunches of boughs that have each won a window to the light. The lobes are what
 //! the shading later shows as bright tops above dark undersides.
 
+use super::individual::Stance;
 use super::noise::noise3;
 use super::skeleton::{GOLDEN_ANGLE, Reach, Skeleton, colonise, random_in_ball};
 use crate::base::{Cancel, Cancelled, Random};
@@ -50,17 +51,19 @@ pub(super) fn outline_radius(outline: &[(f32, f32)], t: f32) -> f32 {
         })
 }
 
-/// Grows the skeleton of a tree of `height_m` with this habit.
+/// Grows the skeleton of a tree with this habit.
 ///
 /// # Errors
 /// [`Cancelled`].
 pub fn crown_skeleton(
     crown: &Crown,
-    height_m: f32,
+    stance: &Stance,
     random: &mut Random,
     cancel: &Cancel,
 ) -> Result<Skeleton, Cancelled> {
-    let attractors = attractors(crown, height_m, random);
+    let height_m = stance.height_m;
+    let envelope = Envelope::new(crown, stance, random);
+    let attractors = attractors(&envelope, random);
     let mut skeleton = Skeleton::default();
     stems(&mut skeleton, crown, height_m, random);
     let step_m = 0.55 * crown.spacing_m;
@@ -74,10 +77,73 @@ pub fn crown_skeleton(
     };
     colonise(&mut skeleton, &attractors, &reach, random, cancel)?;
     skeleton.relax(3);
+    lean(&mut skeleton, stance);
     if crown.strands_m > 0.0 {
         hang_strands(&mut skeleton, crown, 0.8 * crown.base * height_m, random);
     }
     Ok(skeleton)
+}
+
+/// Leans the whole tree: most low on the stem, for stems turn back to the light.
+fn lean(skeleton: &mut Skeleton, stance: &Stance) {
+    for node in &mut skeleton.nodes {
+        let share = (node.position.y / stance.height_m).clamp(0.0, 1.0);
+        let aside = stance.lean * node.position.y * (1.35 - 0.5 * share);
+        node.position += Vec3::new(aside.x, 0.0, aside.y);
+    }
+}
+
+/// The body in which the crown grows.
+struct Envelope<'a> {
+    crown: &'a Crown,
+    height_m: f32,
+    breadth: f32,
+    /// Chooses in which directions it bulges.
+    salt: u32,
+}
+
+impl<'a> Envelope<'a> {
+    fn new(crown: &'a Crown, stance: &Stance, random: &mut Random) -> Self {
+        Self {
+            crown,
+            height_m: stance.height_m,
+            breadth: stance.breadth,
+            salt: random.bits() as u32,
+        }
+    }
+
+    /// Radius at the height `t` of the crown, as a share of the tree's height, without bulges.
+    fn radius(&self, t: f32) -> f32 {
+        outline_radius(self.crown.outline, t) * self.breadth
+    }
+
+    /// Whether a place, (x, z) as shares of the tree's height and `t` of the crown's, is inside.
+    ///
+    /// No crown is round: it bulges to one side here, to another there.
+    fn contains(&self, x: f32, t: f32, z: f32) -> bool {
+        let allowed = self.radius(t);
+        let out = (x * x + z * z).sqrt().max(1e-4);
+        let bulge = 1.0 + 0.30 * noise3(1.3 * x / out, 2.6 * t, 1.3 * z / out, self.salt);
+        out <= allowed * bulge.min(1.15)
+    }
+
+    /// A random place inside, drawn in to the middle by `scale`, in metres.
+    fn point(&self, scale: f32, random: &mut Random) -> Vec3 {
+        let outline = self.crown.outline.iter();
+        let widest = 1.15 * self.breadth * outline.map(|point| point.1).fold(0.0, f32::max);
+        loop {
+            let side = |random: &mut Random| random.between(-1.0, 1.0) as f32 * widest;
+            let (x, z) = (side(random), side(random));
+            let t = random.between(0.0, 1.0) as f32;
+            if self.contains(x, t, z) {
+                let base = self.crown.base;
+                let y = base + (1.0 - base) * t;
+                let middle = base + 0.45 * (1.0 - base);
+                let place = Vec3::new(x * scale, middle + (y - middle) * scale, z * scale);
+                return place * self.height_m;
+            }
+        }
+    }
 }
 
 /// The stems from the ground to where the crown takes over.
@@ -117,8 +183,9 @@ struct Lobe {
 }
 
 /// The points that want leaves: the lobes', and some loose ones anywhere in the envelope.
-fn attractors(crown: &Crown, height_m: f32, random: &mut Random) -> Vec<Vec3> {
-    let lobes = lobes(crown, height_m, random);
+fn attractors(envelope: &Envelope<'_>, random: &mut Random) -> Vec<Vec3> {
+    let (crown, height_m) = (envelope.crown, envelope.height_m);
+    let lobes = lobes(envelope, random);
     let salt = random.bits() as u32;
     let mut points = Vec::new();
     let volume = crown.spacing_m * crown.spacing_m * crown.spacing_m;
@@ -136,19 +203,20 @@ fn attractors(crown: &Crown, height_m: f32, random: &mut Random) -> Vec<Vec3> {
     }
     let loose = (points.len() as f32 * crown.loose / (1.0 - crown.loose).max(0.05)) as usize;
     for _ in 0..loose {
-        points.push(point_in_envelope(crown, height_m, 1.0, random));
+        points.push(envelope.point(1.0, random));
     }
     points
 }
 
 /// Lobes near the envelope's surface, none deep inside another.
-fn lobes(crown: &Crown, height_m: f32, random: &mut Random) -> Vec<Lobe> {
+fn lobes(envelope: &Envelope<'_>, random: &mut Random) -> Vec<Lobe> {
+    let (crown, height_m) = (envelope.crown, envelope.height_m);
     let mut lobes: Vec<Lobe> = Vec::new();
     for _ in 0..crown.lobes {
         let wanted_m = random.between(crown.lobe.0.into(), crown.lobe.1.into()) as f32 * height_m;
-        let center = point_in_envelope(crown, height_m, 0.9, random);
+        let center = envelope.point(0.9, random);
         let t = (center.y / height_m - crown.base) / (1.0 - crown.base);
-        let room_m = (0.85 * outline_radius(crown.outline, t) + 0.015) * height_m;
+        let room_m = (0.85 * envelope.radius(t) + 0.015) * height_m;
         let radius_m = wanted_m.min(room_m);
         let crowded = lobes.iter().any(|other| {
             let apart = (other.center - center) / Vec3::new(1.0, crown.flatness, 1.0);
@@ -161,27 +229,8 @@ fn lobes(crown: &Crown, height_m: f32, random: &mut Random) -> Vec<Lobe> {
     lobes
 }
 
-/// A point of the envelope, shrunken by `scale`, towards its surface rather than its axis.
-fn point_in_envelope(crown: &Crown, height_m: f32, scale: f32, random: &mut Random) -> Vec3 {
-    let widest = crown
-        .outline
-        .iter()
-        .map(|point| point.1)
-        .fold(0.0, f32::max);
-    loop {
-        let side = |random: &mut Random| random.between(-1.0, 1.0) as f32 * widest;
-        let (x, z) = (side(random), side(random));
-        let t = random.between(0.0, 1.0) as f32;
-        let allowed = outline_radius(crown.outline, t);
-        if x * x + z * z <= allowed * allowed {
-            let y = crown.base + (1.0 - crown.base) * t;
-            let middle = crown.base + 0.45 * (1.0 - crown.base);
-            return Vec3::new(x * scale, middle + (y - middle) * scale, z * scale) * height_m;
-        }
-    }
-}
-
-/// Lets strands hang from the tips and limbs above `bare_m`: they leave in the limb's direction and bend down.
+/// Lets strands hang from the tips and limbs above `bare_m`: they leave in the limb's direction and
+/// bend down.
 fn hang_strands(skeleton: &mut Skeleton, crown: &Crown, bare_m: f32, random: &mut Random) {
     /// Distance between the nodes of a strand in metres.
     const STEP_M: f32 = 0.16;

@@ -46,8 +46,6 @@ pub struct Foliage {
     pub bearing_tips: u32,
     /// How far leaves hang: 0 stretched out, 1 limp.
     pub droop: f32,
-    /// Colours.
-    pub tint: LeafTint,
 }
 
 /// sRGB colours of foliage: reflectances, before light and shade.
@@ -63,6 +61,29 @@ pub struct LeafTint {
     pub share: f32,
     /// How patchy the mixture is, 0 (leaf by leaf) to 1 (whole boughs).
     pub patchy: f32,
+}
+
+impl LeafTint {
+    /// The tint of another tree of the kind: `warmth` and `depth` in 0..1, both 0.5 for no change.
+    pub fn changed(&self, warmth: f32, depth: f32) -> Self {
+        let (warm, deep) = (warmth - 0.5, depth - 0.5);
+        let change = |colour: [u8; 3]| {
+            let [r, g, b] = colour.map(f32::from);
+            let light = 1.0 - 0.22 * deep;
+            let grey = 0.3 * r + 0.6 * g + 0.1 * b;
+            let shown = |c: f32, tilt: f32| {
+                let colourful = grey + (c - grey) * (1.0 + 0.25 * deep);
+                (colourful * light * (1.0 + tilt * warm)).clamp(0.0, 255.0) as u8
+            };
+            [shown(r, 0.20), shown(g, 0.03), shown(b, -0.22)]
+        };
+        Self {
+            main: change(self.main),
+            other: change(self.other),
+            through: change(self.through),
+            ..*self
+        }
+    }
 }
 
 /// One leaf or card in place.
@@ -102,12 +123,12 @@ pub struct Leafage {
     pub twigs: Vec<Twig>,
 }
 
-/// Foliage on a skeleton. `aspect` is the leaf's width against its length.
+/// Foliage on a skeleton.
 pub fn leafage(
     skeleton: &Skeleton,
     girth: &Girth,
     foliage: &Foliage,
-    aspect: f32,
+    tint: &LeafTint,
     random: &mut Random,
 ) -> Leafage {
     let boughs = bough_middles(skeleton, girth);
@@ -120,7 +141,7 @@ pub fn leafage(
         let outward = (node.position - boughs[index]).normalize_or(Vec3::Y);
         let mut bearer = Bearer {
             foliage,
-            aspect,
+            tint,
             salt,
             outward,
             random,
@@ -156,7 +177,7 @@ fn bough_middles(skeleton: &Skeleton, girth: &Girth) -> Vec<Vec3> {
 /// Bears the twigs of one node.
 struct Bearer<'a> {
     foliage: &'a Foliage,
-    aspect: f32,
+    tint: &'a LeafTint,
     salt: u32,
     outward: Vec3,
     random: &'a mut Random,
@@ -228,14 +249,14 @@ impl Bearer<'_> {
     }
 
     fn put(&mut self, base: Vec3, along: Vec3, across: Vec3, length: f32) {
-        let tint = &self.foliage.tint;
+        let tint = self.tint;
         let patch = noise3(base.x * 0.9, base.y * 0.9, base.z * 0.9, self.salt);
         let single = self.random.unit() as f32 - 0.5;
         let spread = patch * tint.patchy * 0.9 + single * (1.0 - 0.6 * tint.patchy);
         self.into.leaves.push(Leaf {
             base,
             along: along * length,
-            across: across * length * self.aspect,
+            across: across * length * self.foliage.shape.aspect(),
             normal: across.cross(along).normalize_or(Vec3::Z),
             outward: self.outward,
             tone: (tint.share + spread).clamp(0.0, 1.0),

@@ -1,14 +1,44 @@
 //! How much of sun and sky reaches a place in the crown.
 //!
-//! Leaf area is counted in voxels; light falls off along a ray by Beer and Lambert's law. For every voxel one ray goes to the sun and
-//! a few to the sky; places between voxels interpolate. This makes the bright tops, the dark
-//! undersides and the depth of a crown; single leaves add their own tilt in `paint`.
+//! Leaf area is counted in voxels; light falls off along a ray by Beer and Lambert's law. For every
+//! voxel one ray goes to the sun and a few to the sky; places between voxels interpolate. This makes the bright tops, the dark
+//! undersides and the depth of a crown; single leaves add their
+//! own tilt in `paint`, and their shadows in [`super::shadow`].
 
 use crate::base::{Cancel, Cancelled};
 use glam::Vec3;
 
-/// The direction to the sun: from the left, high, somewhat in front of the tree; nearly unit.
-pub const TO_SUN: Vec3 = Vec3::new(-0.48, 0.76, 0.44);
+/// Sun and sky over one tree, linear.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Daylight {
+    /// Unit direction to the sun.
+    pub to_sun: Vec3,
+    /// Light of the sun, a little warm.
+    pub sun: Vec3,
+    /// Light of the whole sky, a little blue.
+    pub sky: Vec3,
+    /// Light that has wandered through the crown: keeps the deepest shade from being black.
+    pub stray: Vec3,
+}
+
+impl Daylight {
+    /// The light with the sun at `azimuth_deg` (0 behind the viewer, negative to the left) and
+    /// `elevation_deg`; `softness` 0 is a clear sky, 1 an overcast one.
+    pub fn new(azimuth_deg: f32, elevation_deg: f32, softness: f32) -> Self {
+        let (azimuth, elevation) = (azimuth_deg.to_radians(), elevation_deg.to_radians());
+        let flat = libm::cosf(elevation);
+        Self {
+            to_sun: Vec3::new(
+                libm::sinf(azimuth) * flat,
+                libm::sinf(elevation),
+                libm::cosf(azimuth) * flat,
+            ),
+            sun: Vec3::new(2.86, 2.56, 2.02) * (1.0 - 0.62 * softness),
+            sky: Vec3::new(0.60, 0.72, 0.90) * (1.0 + 0.85 * softness),
+            stray: Vec3::new(0.036, 0.042, 0.028) * (1.0 + 0.5 * softness),
+        }
+    }
+}
 
 /// Directions to the sky and their weights of sum 1: overhead, four slanted, one to the viewer.
 const TO_SKY: [(Vec3, f32); 6] = [
@@ -49,6 +79,7 @@ pub struct LightGrid {
     voxel_m: f32,
     size: [usize; 3],
     reached: Vec<Reached>,
+    to_sun: Vec3,
 }
 
 impl LightGrid {
@@ -56,7 +87,12 @@ impl LightGrid {
     ///
     /// # Errors
     /// [`Cancelled`].
-    pub fn new(blockers: &[Blocker], voxel_m: f32, cancel: &Cancel) -> Result<Self, Cancelled> {
+    pub fn new(
+        blockers: &[Blocker],
+        to_sun: Vec3,
+        voxel_m: f32,
+        cancel: &Cancel,
+    ) -> Result<Self, Cancelled> {
         let (low, high) = blockers
             .iter()
             .fold((Vec3::ZERO, Vec3::ONE), |(low, high), blocker| {
@@ -70,6 +106,7 @@ impl LightGrid {
             voxel_m,
             size,
             reached: Vec::new(),
+            to_sun,
         };
         let mut extinction = vec![0.0f32; size.iter().product()];
         let per_voxel = EXTINCTION / (voxel_m * voxel_m * voxel_m);
@@ -99,7 +136,7 @@ impl LightGrid {
     fn reached_at(&self, extinction: &[f32], center: Vec3) -> Reached {
         let through = |direction| libm::expf(-self.depth(extinction, center, direction));
         Reached {
-            sun: through(TO_SUN),
+            sun: through(self.to_sun),
             sky: TO_SKY
                 .iter()
                 .map(|&(direction, weight)| weight * through(direction))
@@ -164,7 +201,8 @@ mod tests {
                 area_m2: 0.03,
             });
         }
-        let grid = LightGrid::new(&blockers, 0.3, &Cancel::new()).unwrap();
+        let grid =
+            LightGrid::new(&blockers, Vec3::new(-0.48, 0.76, 0.44), 0.3, &Cancel::new()).unwrap();
         let below = grid.at(Vec3::new(0.0, 1.5, 0.0));
         let above = grid.at(Vec3::new(0.0, 4.0, 0.0));
         assert!(below.sun < 0.4 && below.sky < 0.6, "{below:?}");

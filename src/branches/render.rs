@@ -6,22 +6,16 @@
 //! sRGB curve.
 
 use super::bark::Bark;
-use super::canvas::{Canvas, FINENESS, Part};
+use super::canvas::{Canvas, Dab, FINENESS, Part};
 use super::foliage::{Leaf, LeafTint, Leafage};
-use super::light::{LightGrid, TO_SUN};
-use super::limbs::Girth;
-use super::skeleton::Skeleton;
+use super::light::{Daylight, LightGrid};
+use super::ornament::Ornament;
+use super::shadow::ShadowMap;
+use super::spline::Limb;
 use super::sprite::Sprite;
 use super::wood::{paint_twigs, paint_wood};
 use crate::base::{Cancel, Cancelled};
 use glam::{Vec2, Vec3};
-
-/// Sunlight, linear, a little warm.
-pub(super) const SUN: Vec3 = Vec3::new(2.70, 2.46, 2.02);
-/// Light of the whole sky, linear, a little blue.
-pub(super) const SKY: Vec3 = Vec3::new(0.62, 0.72, 0.86);
-/// Light that has wandered through the crown: keeps the deepest shade from being black.
-pub(super) const STRAY: Vec3 = Vec3::new(0.050, 0.060, 0.040);
 
 /// Share of colour that survives haze and lens: photographs of trees are never as green as paint.
 const COLOURFULNESS: f32 = 0.91;
@@ -29,23 +23,52 @@ const COLOURFULNESS: f32 = 0.91;
 /// A tree ready to be painted.
 pub struct Subject<'a> {
     /// The wood.
-    pub skeleton: &'a Skeleton,
-    /// Its thickness.
-    pub girth: &'a Girth,
+    pub limbs: &'a [Limb],
     /// The leaves.
     pub leafage: &'a Leafage,
+    /// Blossom or fruit.
+    pub ornaments: Option<Ornaments<'a>>,
     /// Their picture.
     pub sprite: &'a Sprite,
     /// Their colours.
     pub tint: &'a LeafTint,
     /// The bark.
     pub bark: &'a Bark,
-    /// The light.
+    /// Sun and sky.
+    pub daylight: &'a Daylight,
+    /// What of them reaches a place on average.
     pub light: &'a LightGrid,
+    /// What the sun sees.
+    pub shadows: &'a ShadowMap,
+    /// Length of a leaf in metres.
+    pub leaf_m: f32,
+    /// Radius of the stem in metres.
+    pub stem_m: f32,
     /// The tree's height in metres.
     pub height_m: f32,
     /// Height in metres below which thick wood counts as trunk.
     pub crown_base_m: f32,
+}
+
+/// Blossom or fruit in place.
+pub struct Ornaments<'a> {
+    /// Where they hang.
+    pub leaves: &'a [Leaf],
+    /// Their picture.
+    pub sprite: Sprite,
+    /// What they are.
+    pub ornament: &'a Ornament,
+}
+
+impl Subject<'_> {
+    /// Share of the sun, 0..1, at `place`: what the crown lets through on average, and whether this
+    /// very place is hidden.
+    pub(super) fn sun_at(&self, place: Vec3, average: f32) -> f32 {
+        /// Weight of the single shadow against the mean of the crown.
+        const SINGLE: f32 = 0.62;
+        let lit = self.shadows.lit(place, 0.7 * self.leaf_m);
+        average + (lit - average) * SINGLE
+    }
 }
 
 /// Where the picture's samples lie in the tree's frame.
@@ -60,6 +83,27 @@ pub struct View {
 }
 
 impl View {
+    /// The view that fits a tree between `low` and `high` (metres) into a picture of `width` ×
+    /// `height` pixels, its foot in the middle of the lower edge.
+    pub fn fitted((low, high): (Vec2, Vec2), (width, height): (u32, u32)) -> Self {
+        /// Clear margin at the top and the sides, a share of the side.
+        const MARGIN: f32 = 0.012;
+        let half_m = high.x.max(-low.x).max(0.05);
+        let upright = height as f32 * (1.0 - MARGIN) / high.y;
+        let across = width as f32 * (0.5 - MARGIN) / half_m;
+        let scale_px = upright.min(across);
+        Self {
+            scale: scale_px * FINENESS as f32,
+            left_m: -0.5 * width as f32 / scale_px,
+            top_m: height as f32 / scale_px,
+        }
+    }
+
+    /// Pixels of a metre.
+    pub fn pixels_of_metre(&self) -> f32 {
+        self.scale / FINENESS as f32
+    }
+
     pub(super) fn samples_from_tree(&self, p: Vec3) -> Vec2 {
         Vec2::new(
             (p.x - self.left_m) * self.scale,
@@ -82,10 +126,38 @@ pub fn paint(
     cancel.check()?;
     paint_twigs(canvas, view, subject);
     let palette = Palette::new(subject.tint);
-    for batch in subject.leafage.leaves.chunks(4096) {
+    let leaves = &subject.leafage.leaves;
+    paint_leaves(
+        canvas,
+        view,
+        subject,
+        (leaves, subject.sprite, &palette),
+        cancel,
+    )?;
+    if let Some(ornaments) = &subject.ornaments {
+        let [main, other] = ornaments.ornament.colours.map(linear);
+        let palette = Palette {
+            main,
+            other,
+            through: other * 0.5,
+        };
+        let stamps = (ornaments.leaves, &ornaments.sprite, &palette);
+        paint_leaves(canvas, view, subject, stamps, cancel)?;
+    }
+    Ok(())
+}
+
+fn paint_leaves(
+    canvas: &mut Canvas,
+    view: &View,
+    subject: &Subject<'_>,
+    (leaves, sprite, palette): (&[Leaf], &Sprite, &Palette),
+    cancel: &Cancel,
+) -> Result<(), Cancelled> {
+    for batch in leaves.chunks(4096) {
         cancel.check()?;
         for leaf in batch {
-            paint_leaf(canvas, view, subject, &palette, leaf);
+            paint_leaf(canvas, view, subject, (sprite, palette), leaf);
         }
     }
     Ok(())
@@ -100,7 +172,6 @@ struct Palette {
 
 impl Palette {
     fn new(tint: &LeafTint) -> Self {
-        let linear = |c: [u8; 3]| linear_from_srgb(Vec3::from_array(c.map(f32::from)));
         Self {
             main: linear(tint.main),
             other: linear(tint.other),
@@ -109,11 +180,16 @@ impl Palette {
     }
 }
 
+/// Linear reflectance of an sRGB colour.
+fn linear(colour: [u8; 3]) -> Vec3 {
+    linear_from_srgb(Vec3::from_array(colour.map(f32::from)))
+}
+
 fn paint_leaf(
     canvas: &mut Canvas,
     view: &View,
     subject: &Subject<'_>,
-    palette: &Palette,
+    (sprite, palette): (&Sprite, &Palette),
     leaf: &Leaf,
 ) {
     let base = view.samples_from_tree(leaf.base);
@@ -132,11 +208,17 @@ fn paint_leaf(
         depth: leaf.base.z - leaf.across.z * 0.5,
         rise: (leaf.along.z, leaf.across.z),
     };
-    stamp.press(canvas, subject.sprite, halves);
+    stamp.press(canvas, sprite, &halves);
 }
 
-/// Colours of the two halves of a blade, folded a little along its midrib; sRGB 0..255.
-fn leaf_halves(subject: &Subject<'_>, palette: &Palette, leaf: &Leaf) -> [Vec3; 2] {
+/// One half of a blade: its colour, sRGB 0..255, and its normal.
+struct Half {
+    colour: Vec3,
+    normal: Vec3,
+}
+
+/// The two halves of a blade, folded a little along its midrib.
+fn leaf_halves(subject: &Subject<'_>, palette: &Palette, leaf: &Leaf) -> [Half; 2] {
     let place = leaf.base + leaf.along * 0.5;
     let reached = subject.light.at(place + leaf.outward * 0.12);
     let albedo = palette.main.lerp(palette.other, leaf.tone) * leaf.light;
@@ -146,17 +228,26 @@ fn leaf_halves(subject: &Subject<'_>, palette: &Palette, leaf: &Leaf) -> [Vec3; 
     } else {
         leaf.normal
     };
+    let Daylight {
+        to_sun,
+        sun,
+        sky,
+        stray,
+    } = *subject.daylight;
     [-0.38, 0.38].map(|fold| {
         let normal = (facing + across * fold).normalize_or(Vec3::Z);
         let clump = (normal * 0.6 + leaf.outward * 0.5).normalize_or(normal);
-        let cosine = 0.55 * normal.dot(TO_SUN) + 0.45 * clump.dot(TO_SUN);
-        let direct = albedo * SUN * (cosine.max(0.0) * reached.sun);
-        let passed =
-            palette.through * SUN * ((0.15 - normal.dot(TO_SUN)).max(0.0) * reached.sun * 0.55);
+        let sunny = subject.sun_at(place + leaf.across * (0.6 * fold), reached.sun);
+        let cosine = 0.55 * normal.dot(to_sun) + 0.45 * clump.dot(to_sun);
+        let direct = albedo * sun * (cosine.max(0.0) * sunny);
+        let passed = palette.through * sun * ((0.15 - normal.dot(to_sun)).max(0.0) * sunny * 0.55);
         let open = reached.sky * (0.62 + 0.38 * clump.y);
-        let diffuse = albedo * (SKY * open + STRAY);
-        let gloss = SKY * (0.016 * reached.sky * (0.5 + 0.5 * normal.y));
-        shown(direct + passed + diffuse + gloss)
+        let diffuse = albedo * (sky * open + stray);
+        let gloss = sky * (0.020 * reached.sky * (0.5 + 0.5 * normal.y));
+        Half {
+            colour: shown(direct + passed + diffuse + gloss),
+            normal,
+        }
     })
 }
 
@@ -171,7 +262,7 @@ struct Stamp {
 }
 
 impl Stamp {
-    fn press(&self, canvas: &mut Canvas, sprite: &Sprite, halves: [Vec3; 2]) {
+    fn press(&self, canvas: &mut Canvas, sprite: &Sprite, halves: &[Half; 2]) {
         let far = self.corner + self.along + self.across;
         let (one, two) = (self.corner + self.along, self.corner + self.across);
         let low = self.corner.min(far).min(one).min(two);
@@ -193,8 +284,13 @@ impl Stamp {
                 }
                 let shade = sprite.shade(u, v);
                 if shade > 0 {
-                    let colour = halves[usize::from(v > 0.5)] * (f32::from(shade) / 128.0);
-                    canvas.put(x, y, depth, bytes(colour), Part::Crown);
+                    let half = &halves[usize::from(v > 0.5)];
+                    let dab = Dab {
+                        colour: bytes(half.colour * (f32::from(shade) / 128.0)),
+                        part: Part::Crown,
+                        normal: half.normal,
+                    };
+                    canvas.put(x, y, depth, &dab);
                 }
             }
         }
@@ -243,22 +339,6 @@ pub(super) fn bytes(colour: Vec3) -> [u8; 3] {
     colour.to_array().map(|c| (c + 0.5).clamp(0.0, 255.0) as u8)
 }
 
-/// The view that fits a tree between `low` and `high` (metres) into `height_px` rows, and the
-/// number of columns it needs.
-pub fn fitted(low: Vec2, high: Vec2, height_px: u32) -> (View, u32) {
-    /// Clear margin at the top and the sides, a share of the height.
-    const MARGIN: f32 = 0.012;
-    let scale_px = height_px as f32 * (1.0 - MARGIN) / high.y;
-    let margin_m = MARGIN * height_px as f32 / scale_px;
-    let width_px = libm::ceilf((high.x - low.x + 2.0 * margin_m) * scale_px).max(1.0);
-    let view = View {
-        scale: scale_px * FINENESS as f32,
-        left_m: low.x - margin_m,
-        top_m: high.y + margin_m,
-    };
-    (view, width_px as u32)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -275,17 +355,20 @@ mod tests {
     }
 
     #[test]
-    fn a_fitted_view_holds_the_tree_with_its_foot_at_the_lower_edge() {
-        let (low, high) = (Vec2::new(-2.0, 0.0), Vec2::new(3.0, 8.0));
-        let (view, width_px) = fitted(low, high, 200);
-        let foot = view.samples_from_tree(Vec3::ZERO);
-        assert!((foot.y - (200 * FINENESS) as f32).abs() < 0.01);
-        assert!(
-            view.samples_from_tree(Vec3::new(-2.0, 8.0, 0.0))
-                .min_element()
-                > 0.0
-        );
-        let right = view.samples_from_tree(Vec3::new(3.0, 1.0, 0.0)).x;
-        assert!(right < (width_px as usize * FINENESS) as f32);
+    fn a_fitted_view_holds_the_tree_with_its_foot_in_the_middle_of_the_lower_edge() {
+        let size = (150, 200);
+        for (low, high) in [
+            (Vec2::new(-2.0, 0.0), Vec2::new(3.0, 18.0)),
+            (Vec2::new(-9.0, 0.0), Vec2::new(3.0, 5.0)),
+        ] {
+            let view = View::fitted((low, high), size);
+            let foot = view.samples_from_tree(Vec3::ZERO);
+            let middle = Vec2::new((75 * FINENESS) as f32, (200 * FINENESS) as f32);
+            assert!(foot.distance(middle) < 0.01);
+            let corner = view.samples_from_tree(Vec3::new(low.x, high.y, 0.0));
+            assert!(corner.min_element() > 0.0);
+            let right = view.samples_from_tree(Vec3::new(high.x, 1.0, 0.0)).x;
+            assert!(right < 150.0 * FINENESS as f32);
+        }
     }
 }

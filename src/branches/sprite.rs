@@ -1,9 +1,10 @@
-//! Pictures of a single leaf, of a twig with needles, of a tuft: drawn once, stamped many times.
+//! Pictures of a single leaf, of a twig with needles, a tuft, a blossom: drawn once, stamped many times.
 //!
 //! A sprite holds coverage and a shade, no colour: the painter gives each stamp its own. Paths are
 //! filled without antialiasing at `FINENESS` times the size and averaged here in whole numbers,
 //! so that the result does not depend on the vector unit tiny-skia was compiled for.
 
+use super::ornament::OrnamentKind;
 use tiny_skia::{Color, FillRule, Paint, Path, PathBuilder, Pixmap, Transform};
 
 /// The kinds of leaf there are.
@@ -23,13 +24,31 @@ pub enum LeafShape {
     Brush,
     /// A fan of long needles: pine.
     Tuft,
+    /// A plume of scaly twiglets: cypress.
+    Spray,
+    /// A long, narrow leaflet: palm.
+    Blade,
+}
+
+impl LeafShape {
+    /// Width against length.
+    pub fn aspect(self) -> f32 {
+        match self {
+            Self::Ovate | Self::Brush => 0.62,
+            Self::Round => 0.92,
+            Self::Lobed => 0.66,
+            Self::Palmate => 0.98,
+            Self::Lance => 0.24,
+            Self::Tuft => 0.95,
+            Self::Spray => 0.5,
+            Self::Blade => 0.075,
+        }
+    }
 }
 
 /// A stamp: coverage and shade over leaf coordinates.
 #[derive(Debug, Clone)]
 pub struct Sprite {
-    /// Width against length of the leaf.
-    pub aspect: f32,
     /// [`LENGTH`] × [`WIDTH`] texels, from the base of the leaf (first row) to its tip: shade
     /// 1..=255 (128 keeps the colour), 0 where there is no leaf.
     texels: Vec<u8>,
@@ -48,22 +67,34 @@ impl Sprite {
     /// # Panics
     /// Never: the size is fixed and not empty.
     pub fn new(shape: LeafShape) -> Self {
-        let size = ((WIDTH * FINENESS) as u32, (LENGTH * FINENESS) as u32);
-        let mut pixmap = Pixmap::new(size.0, size.1).expect("the size is not empty");
-        let mut pen = Pen {
-            pixmap: &mut pixmap,
-        };
-        let aspect = match shape {
-            LeafShape::Ovate => pen.ovate(0.62, 0.40),
-            LeafShape::Round => pen.ovate(0.92, 0.42),
+        Self::drawn(|pen| match shape {
+            LeafShape::Ovate => pen.ovate(0.40),
+            LeafShape::Round => pen.ovate(0.42),
             LeafShape::Lobed => pen.lobed(),
             LeafShape::Palmate => pen.palmate(),
-            LeafShape::Lance => pen.ovate(0.24, 0.38),
+            LeafShape::Lance => pen.ovate(0.38),
             LeafShape::Brush => pen.brush(),
             LeafShape::Tuft => pen.tuft(),
-        };
+            LeafShape::Spray => pen.spray(),
+            LeafShape::Blade => pen.blade(),
+        })
+    }
+
+    /// The sprite of blossom or fruit.
+    pub fn ornament(kind: OrnamentKind) -> Self {
+        Self::drawn(|pen| match kind {
+            OrnamentKind::Blossom => pen.blossom(),
+            OrnamentKind::Fruit => pen.fruit(),
+        })
+    }
+
+    fn drawn(draw: impl FnOnce(&mut Pen<'_>)) -> Self {
+        let size = ((WIDTH * FINENESS) as u32, (LENGTH * FINENESS) as u32);
+        let mut pixmap = Pixmap::new(size.0, size.1).expect("the size is not empty");
+        draw(&mut Pen {
+            pixmap: &mut pixmap,
+        });
         Self {
-            aspect,
             texels: averaged(&pixmap),
         }
     }
@@ -142,7 +173,7 @@ impl Pen<'_> {
         self.vein((0.0, 0.0), (0.0, 0.96), 0.07, 156);
     }
 
-    fn ovate(&mut self, aspect: f32, widest: f32) -> f32 {
+    fn ovate(&mut self, widest: f32) {
         let mut path = PathBuilder::new();
         path.move_to(0.0, 0.0);
         path.cubic_to(0.75, 0.02, 1.25, widest, 0.72, 0.66);
@@ -152,10 +183,9 @@ impl Pen<'_> {
         path.close();
         self.fill(path.finish(), 122);
         self.veins(5, 0.6);
-        aspect
     }
 
-    fn lobed(&mut self) -> f32 {
+    fn lobed(&mut self) {
         // Half-widths from base to tip; curves between them make the lobes.
         const EDGE: [(f32, f32); 9] = [
             (0.10, 0.10),
@@ -182,10 +212,9 @@ impl Pen<'_> {
         path.close();
         self.fill(path.finish(), 122);
         self.veins(4, 0.7);
-        0.66
     }
 
-    fn palmate(&mut self) -> f32 {
+    fn palmate(&mut self) {
         const EDGE: [(f32, f32); 10] = [
             (0.10, 0.14),
             (0.62, 0.08),
@@ -213,10 +242,9 @@ impl Pen<'_> {
             self.vein((0.0, 0.14), (hand * 0.8, 0.62), 0.05, 148);
         }
         self.vein((0.0, 0.0), (0.0, 0.95), 0.06, 156);
-        0.98
     }
 
-    fn brush(&mut self) -> f32 {
+    fn brush(&mut self) {
         for needle in 0..26u32 {
             let y = 0.01 + 0.70 * needle as f32 / 26.0;
             let hand = if needle % 2 == 0 { 1.0 } else { -1.0 };
@@ -227,19 +255,89 @@ impl Pen<'_> {
         }
         self.vein((0.0, 0.55), (0.0, 1.0), 0.12, 140);
         self.vein((0.0, 0.0), (0.0, 0.85), 0.08, 92);
-        0.62
     }
 
-    fn tuft(&mut self) -> f32 {
-        for needle in 0..19u32 {
-            let turn = ((needle * 8) % 19) as f32 / 9.0 - 1.0;
-            let long = 0.74 + 0.065 * ((needle * 5) % 5) as f32;
-            let grey = 74 + 17 * ((needle * 7) % 6) as u8;
-            let tip = (turn * long, long * (1.0 - 0.45 * turn * turn));
-            let root = 0.12 * ((needle * 3) % 4) as f32;
-            self.vein((turn * 0.05, root), tip, 0.042, grey);
+    fn tuft(&mut self) {
+        for needle in 0..23u32 {
+            let turn = ((needle * 9) % 23) as f32 / 11.0 - 1.0;
+            let long = 0.66 + 0.085 * ((needle * 5) % 5) as f32;
+            let grey = 70 + 18 * ((needle * 7) % 6) as u8;
+            let tip = (turn * long, long * (1.0 - 0.62 * turn * turn));
+            let root = 0.1 * ((needle * 3) % 4) as f32;
+            self.vein((turn * 0.03, root), tip, 0.03, grey);
         }
-        0.95
+    }
+
+    /// Twiglets in pairs that carry shorter ones, all of them scaly and slender.
+    fn spray(&mut self) {
+        for pair in 0..9u32 {
+            let y = 0.04 + 0.085 * pair as f32;
+            let long = 0.95 - 0.075 * pair as f32;
+            for hand in [-1.0, 1.0] {
+                let shift = if hand > 0.0 { 0.03 } else { 0.0 };
+                let grey = 104 + 13 * ((pair * 5 + u32::from(hand > 0.0)) % 4) as u8;
+                let tip = (hand * long * 0.9, (y + shift + 0.34).min(1.0));
+                self.vein((0.0, y + shift), tip, 0.11, grey);
+                let fork = (hand * long * 0.4, y + shift + 0.12);
+                self.vein(
+                    fork,
+                    (hand * long * 0.38, (fork.1 + 0.22).min(1.0)),
+                    0.09,
+                    grey + 10,
+                );
+            }
+        }
+        self.vein((0.0, 0.0), (0.0, 1.0), 0.13, 118);
+    }
+
+    fn blade(&mut self) {
+        let mut path = PathBuilder::new();
+        path.move_to(-0.35, 0.0);
+        path.quad_to(-1.35, 0.35, 0.0, 1.0);
+        path.quad_to(1.35, 0.35, 0.35, 0.0);
+        path.close();
+        self.fill(path.finish(), 124);
+        self.vein((0.0, 0.0), (0.0, 0.95), 0.16, 150);
+    }
+
+    fn blossom(&mut self) {
+        for petal in 0..5u32 {
+            let angle = petal as f32 * std::f32::consts::TAU / 5.0 + 0.3;
+            let (x, y) = (libm::cosf(angle), libm::sinf(angle));
+            let grey = 118 + 5 * (petal * 2 % 5) as u8;
+            self.ball((x * 0.55, 0.5 + y * 0.275), 0.42, grey);
+        }
+        self.ball((0.0, 0.5), 0.16, 92);
+    }
+
+    /// A ball, lit from the upper left as everything here; its stalk end is the base.
+    fn fruit(&mut self) {
+        for (shift, radius, grey) in [
+            (0.0, 0.92, 84),
+            (0.08, 0.80, 112),
+            (0.18, 0.62, 132),
+            (0.30, 0.36, 150),
+            (0.36, 0.14, 200),
+        ] {
+            self.ball((-shift, 0.5 - shift * 0.5), radius, grey);
+        }
+    }
+
+    /// A disc in a square leaf: `radius` and the x of `centre` in half-widths, its y in lengths.
+    fn ball(&mut self, centre: (f32, f32), radius: f32, grey: u8) {
+        /// Control points of a quarter circle by a cubic.
+        const ROUND: f32 = 0.5523;
+        let (x, y) = centre;
+        let (rx, ry) = (radius, radius * 0.5);
+        let (cx, cy) = (rx * ROUND, ry * ROUND);
+        let mut path = PathBuilder::new();
+        path.move_to(x + rx, y);
+        path.cubic_to(x + rx, y + cy, x + cx, y + ry, x, y + ry);
+        path.cubic_to(x - cx, y + ry, x - rx, y + cy, x - rx, y);
+        path.cubic_to(x - rx, y - cy, x - cx, y - ry, x, y - ry);
+        path.cubic_to(x + cx, y - ry, x + rx, y - cy, x + rx, y);
+        path.close();
+        self.fill(path.finish(), grey);
     }
 }
 
@@ -257,6 +355,8 @@ mod tests {
             LeafShape::Lance,
             LeafShape::Brush,
             LeafShape::Tuft,
+            LeafShape::Spray,
+            LeafShape::Blade,
         ] {
             let sprite = Sprite::new(shape);
             let coverage = sprite.coverage();

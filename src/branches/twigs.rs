@@ -29,6 +29,8 @@ fn habit(shape: LeafShape) -> (u32, f64) {
         LeafShape::Lance => (140, 0.22),
         LeafShape::Brush => (60, 0.30),
         LeafShape::Tuft => (44, 0.34),
+        LeafShape::Spray => (50, 0.34),
+        LeafShape::Blade => (60, 0.55),
     }
 }
 
@@ -42,7 +44,7 @@ pub fn twigs(shape: LeafShape, size: u32, count: u32, seed: Seed) -> Vec<Image<T
         let mut random = seed.derive("twig", u64::from(index)).random();
         let mut canvas = Canvas::new(size * FINENESS);
         for leaf in leaves(shape, &mut random) {
-            canvas.stamp(&sprite, &leaf);
+            canvas.stamp(&sprite, shape, &leaf);
         }
         canvas.reduced()
     };
@@ -103,9 +105,9 @@ impl Canvas {
         }
     }
 
-    fn stamp(&mut self, sprite: &Sprite, leaf: &Leaf) {
+    fn stamp(&mut self, sprite: &Sprite, shape: LeafShape, leaf: &Leaf) {
         let half = f64::from(self.size) / 2.0;
-        let width = leaf.length * f64::from(sprite.aspect);
+        let width = leaf.length * f64::from(shape.aspect());
         let reach = leaf.length + width;
         let range = |middle: f64| {
             let low = ((middle - reach + 1.0) * half).max(0.0) as u32;

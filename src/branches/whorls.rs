@@ -6,6 +6,7 @@
 //! rise near the top, sink with age and lift their tips.
 
 use super::crown::outline_radius;
+use super::individual::Stance;
 use super::skeleton::{GOLDEN_ANGLE, Skeleton, random_in_ball};
 use crate::base::Random;
 use glam::Vec3;
@@ -35,10 +36,11 @@ pub struct Whorls {
     pub twig_step_m: f32,
 }
 
-/// Lays out the skeleton of a conifer of `height_m`.
-pub fn whorl_skeleton(habit: &Whorls, height_m: f32, random: &mut Random) -> Skeleton {
+/// Lays out the skeleton of a conifer.
+pub fn whorl_skeleton(habit: &Whorls, stance: &Stance, random: &mut Random) -> Skeleton {
+    let height_m = stance.height_m;
     let mut skeleton = Skeleton::default();
-    let stem = stem(&mut skeleton, height_m, random);
+    let stem = stem(&mut skeleton, stance, random);
     let mut azimuth = random.between(0.0, 1.0) as f32 * std::f32::consts::TAU;
     let mut y = habit.base * height_m;
     while y < 0.97 * height_m {
@@ -50,7 +52,7 @@ pub fn whorl_skeleton(habit: &Whorls, height_m: f32, random: &mut Random) -> Ske
             // Every other bough stands a little above its whorl.
             let up =
                 habit.interval_m * random.between(0.0, 0.5 + 0.3 * f64::from(bough % 2)) as f32;
-            let long = outline_radius(habit.outline, t) * height_m * weak;
+            let long = outline_radius(habit.outline, t) * stance.breadth * height_m * weak;
             let length_m = long * random.between(0.66, 1.14) as f32 + 0.05;
             let at = stem[(((y + up) / height_m * stem.len() as f32) as usize).min(stem.len() - 1)];
             add_bough(&mut skeleton, habit, at, azimuth, length_m, t, random);
@@ -61,10 +63,12 @@ pub fn whorl_skeleton(habit: &Whorls, height_m: f32, random: &mut Random) -> Ske
 }
 
 /// The stem's nodes, evenly spaced from the ground to the top.
-fn stem(skeleton: &mut Skeleton, height_m: f32, random: &mut Random) -> Vec<u32> {
+fn stem(skeleton: &mut Skeleton, stance: &Stance, random: &mut Random) -> Vec<u32> {
     /// Distance between the nodes of the stem in metres.
     const STEP_M: f32 = 0.12;
-    let lean = random_in_ball(random) * 0.015;
+    let height_m = stance.height_m;
+    let sway = random_in_ball(random) * 0.008;
+    let lean = Vec3::new(stance.lean.x + sway.x, 0.0, stance.lean.y + sway.z);
     let steps = (height_m / STEP_M) as u32;
     let mut nodes = vec![skeleton.grow(Vec3::ZERO, None)];
     for step in 1..=steps {

@@ -153,9 +153,8 @@ pub(crate) fn on_trunk(trunk: &Trunk, turn: f64, along: f64) -> (DVec3, [f32; 3]
     let low = libm::exp(-height / (2.5 * trunk.base_radius_m));
     let lobes = 1.0 + 0.16 * low * libm::sin(5.0 * angle + 1.0);
     let radius = trunk.radius_m(along) * lobes;
-    // Around the stem and back: the bark has no seam where the turn ends.
-    let around = trunk.base_radius_m * std::f64::consts::TAU * (turn - 0.5).abs();
-    let relief = bark.relief(around as f32, height as f32, radius as f32);
+    let place = outward * trunk.base_radius_m + DVec3::Y * height;
+    let relief = bark.relief(place.as_vec3(), radius as f32);
     let deep = 0.05 * radius * (f64::from(relief) - 1.0);
     let color = bark.colour(along as f32) * relief;
     let linear = |value: f32| linear(value.clamp(0.0, 255.0) as u8);

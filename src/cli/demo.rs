@@ -7,7 +7,7 @@ use super::session::Session;
 use super::{Job, Stages};
 use crate::batch::vary::{Trees, Vary};
 use crate::branches::samples::samples;
-use crate::segment::Classical;
+use crate::segment::standard;
 use crate::variation::{ChoiceSettings, ExemplarSettings};
 use clap::Args;
 use std::path::PathBuf;
@@ -73,7 +73,7 @@ impl Job for Flags {
             choice: ChoiceSettings::default(),
             cache: None,
         };
-        vary.run(&Classical, &out.join("trees"), session)?;
+        vary.run(standard(), &out.join("trees"), session)?;
         if session.options.shard.contains(0) {
             demo_crown(session, &out.join("crown"))?;
         }

@@ -31,9 +31,11 @@ mod render;
 mod reporter;
 mod samples;
 mod segment;
+mod segmenter;
 mod session;
 mod synthesize;
 mod table;
+mod try_model;
 mod usage;
 mod vary;
 mod vary_again;
@@ -44,6 +46,7 @@ use crate::app;
 use crate::base::{Cancel, Progress, with_threads};
 use crate::batch::run::Run;
 use crate::batch::{failure, input, items, output, records};
+use crate::segment::Runtime;
 use clap::{Parser, Subcommand};
 use clock::StageClock;
 use failure::Failure;
@@ -86,6 +89,8 @@ enum Command {
     Export(Box<export::Flags>),
     Crown(crown::Flags),
     Bench(bench::Flags),
+    #[command(hide = true)]
+    TryModel(try_model::Flags),
 }
 
 impl Command {
@@ -107,6 +112,7 @@ impl Command {
             Self::Export(flags) => flags.as_ref(),
             Self::Crown(flags) => flags,
             Self::Bench(flags) => flags,
+            Self::TryModel(flags) => flags,
         }
     }
 }
@@ -141,7 +147,12 @@ pub fn run() -> ExitCode {
             .options
             .check()
             .and_then(|()| run_job(&cli.options, command.job())),
-        None => studio(cli.files),
+        None => {
+            if let Some(library) = cli.options.onnx_runtime() {
+                Runtime::choose(Some(&library));
+            }
+            studio(cli.files)
+        }
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
@@ -154,6 +165,7 @@ pub fn run() -> ExitCode {
 
 /// Runs `job` in threads of its own, listening to signals and telling of progress.
 fn run_job(options: &CommonOptions, job: &dyn Job) -> Result<(), Failure> {
+    Runtime::choose(options.onnx_runtime().as_deref());
     let cancel = Cancel::new();
     let raised = cancel.clone();
     ctrlc::set_handler(move || raised.cancel())
@@ -177,6 +189,9 @@ fn run_job(options: &CommonOptions, job: &dyn Job) -> Result<(), Failure> {
     let outcome = with_threads(options.threads.map(usize::from), || job.run(&session))
         .map_err(|error| Failure::Environment(format!("threads cannot be started: {error}")))
         .and_then(|outcome| outcome);
+    if let Some(note) = Runtime::started().and_then(Runtime::note) {
+        session.progress.warn(note);
+    }
     reporter.finish(outcome.as_ref().err());
     outcome
 }

@@ -134,8 +134,9 @@ fn usage_errors_are_one_line_and_help_is_none() {
         "segment oak.png --out o --seed -1",
         "segment oak.png --out o --overwrite --resume",
         "segment oak.png --out o --json --progress openjd",
-        "segment oak.png --out o --segmenter onnx",
+        "segment oak.png --out o --segmenter classical --model m.onnx",
         "segment oak.png --out o --model m.onnx",
+        "segment oak.png --out o --model oak.png",
         "warp oak.png --from from.json --to to.json --out w.png --size 0 5",
         "warp oak.png --from from.json --to to.json --out w.png --at from.json",
     ] {
@@ -155,7 +156,8 @@ fn usage_errors_are_one_line_and_help_is_none() {
 #[test]
 fn segment_writes_labels_of_the_pictures_size() {
     let place = Place::new();
-    let output = place.succeed("segment oak.png pine.png --out deep/labels --json");
+    let output =
+        place.succeed("segment oak.png pine.png --segmenter classical --out deep/labels --json");
     assert_eq!(
         place.files("deep/labels"),
         ["oak.labels.png", "pine.labels.png"]
@@ -168,6 +170,7 @@ fn segment_writes_labels_of_the_pictures_size() {
     }
     let answer = answer(&output);
     assert_eq!(answer["images"][0]["file"], "oak.png");
+    assert_eq!(answer["images"][0]["source"], "classical");
     assert_eq!(answer["images"][0]["trunk_pixels"], 8 * 20);
     assert_eq!(answer["images"][0]["baseline_y"], 39);
     assert!(answer["seconds"]["segment"].as_f64().unwrap() >= 0.0);

@@ -89,7 +89,10 @@ fn inspect_tells_all_keys_and_pins_the_mushroom() {
     let (_folder, picture, labels) = folder();
     let picture = text(&picture);
     let size = ["--size", "180", "--points", "200", "--simplified", "40"];
-    for given in [&["--labels", text(&labels)][..], &[]] {
+    for given in [
+        &["--labels", text(&labels)][..],
+        &["--segmenter", "classical"],
+    ] {
         let found = answer(&[&["inspect", picture][..], &size, given].concat());
         assert_eq!(found["image"]["width"], 100);
         assert_eq!(
@@ -124,10 +127,10 @@ fn inspect_tells_all_keys_and_pins_the_mushroom() {
         let source = found["segmentation"]["source"].as_str().unwrap();
         assert_eq!(
             source,
-            if given.is_empty() {
-                "classical"
-            } else {
+            if given.contains(&"--labels") {
                 "labels"
+            } else {
+                "classical"
             }
         );
     }

@@ -55,12 +55,23 @@ impl Studio {
             Action::CancelJob(job) => self.jobs.cancel(job),
             Action::PauseJob(job, is_paused) => self.jobs.set_paused(job, is_paused),
             Action::Answer(answer) => self.answer(answer),
+            Action::UseRuntime(library) => self.use_runtime(library),
             Action::TourSeen => self.preferences.tour_was_seen = true,
             Action::Live(action) => self.act_live(action),
             Action::Vary(action) => self.vary(action),
             Action::DismissNotice(id) => self.notices.retain(|notice| notice.id != id),
         }
         self.follow_live();
+    }
+
+    /// Keeps the library for the next start: in this session networks may have run already.
+    fn use_runtime(&mut self, library: PathBuf) {
+        let told = format!(
+            "{} will find crown and trunk when Boscage starts again.",
+            library.display()
+        );
+        self.preferences.onnx_runtime = Some(library);
+        self.notify(Severity::Info, told);
     }
 
     /// Something of the project may look different now.
@@ -151,6 +162,7 @@ impl Studio {
             Command::Palette => self.effects.push(Effect::TogglePalette),
             Command::ShortcutSheet => self.effects.push(Effect::ToggleShortcutSheet),
             Command::Tour => self.effects.push(Effect::StartTour),
+            Command::ChooseRuntime => self.effects.push(Effect::AskWhichRuntime),
             Command::About => self.effects.push(Effect::ToggleAbout),
         }
     }

@@ -55,6 +55,8 @@ pub enum Action {
     BrushHardness(f64),
     /// How far the brush calms the hand, 0 to 1.
     BrushSmoothing(f64),
+    /// Runs networks with this library from the next start on.
+    UseRuntime(PathBuf),
     /// Looks differently at the project; not undone.
     Look(Box<ViewState>),
     /// Shows another photograph.

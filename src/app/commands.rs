@@ -140,6 +140,8 @@ pub enum Command {
     ShortcutSheet,
     /// The first steps.
     Tour,
+    /// Names a library that runs networks faster.
+    ChooseRuntime,
     /// What the studio is.
     About,
 }
@@ -196,7 +198,7 @@ pub const TABLE: &[Row] = &[
     row(Command::RemovePhoto, Menu::Edit, "Remove Picture", "Takes the shown picture out of the project, with its mask.", COMMAND, Key::Delete),
     row(Command::ClearMask, Menu::Mask, "Clear", "Makes everything background.", COMMAND_SHIFT, Key::A),
     row(Command::InvertMask, Menu::Mask, "Invert", "What has the chosen label becomes background, and the other way round.", COMMAND, Key::I),
-    row(Command::Mask(MaskCommand::Propose), Menu::Mask, "Propose Mask", "Labels crown and trunk of a cut-out tree; correct them by hand. For photographs with their background it takes up Smart Select.", SHIFT, Key::P),
+    row(Command::Mask(MaskCommand::Propose), Menu::Mask, "Propose Mask", "Labels crown and trunk, of photographs too; correct them by hand. Where no tree is found it takes up Smart Select.", SHIFT, Key::P),
     row(Command::Mask(MaskCommand::Grow), Menu::Mask, "Grow", "Widens the chosen label over background, by the amount in the canvas's options.", SHIFT, Key::G),
     row(Command::Mask(MaskCommand::Shrink), Menu::Mask, "Shrink", "Narrows the chosen label, by the amount in the canvas's options.", SHIFT, Key::K),
     row(Command::Mask(MaskCommand::Smooth), Menu::Mask, "Smooth", "Rounds the outline of the chosen label: details smaller than the amount go.", SHIFT, Key::S),
@@ -257,6 +259,7 @@ pub const TABLE: &[Row] = &[
     row(Command::Palette, Menu::Help, "Command Palette…", "Finds any command by its name.", COMMAND_SHIFT, Key::P),
     row(Command::ShortcutSheet, Menu::Help, "Keyboard Shortcuts", "Shows all keys.", SHIFT, Key::Questionmark),
     row(Command::Tour, Menu::Help, "Tour", "Shows the way from a picture to a tree in six steps.", NONE, Key::F1),
+    row(Command::ChooseRuntime, Menu::Help, "Use ONNX Runtime…", "Names the library that finds crown and trunk several times faster; from the next start on.", COMMAND_SHIFT, Key::F2),
     row(Command::About, Menu::Help, "About Boscage", "Version, graphics card, licences.", COMMAND_SHIFT, Key::F1),
 ];
 

@@ -24,6 +24,8 @@ pub(super) enum Purpose {
     Save,
     /// A picture whose labels are wanted.
     ImportMask,
+    /// A library that runs networks.
+    Runtime,
     /// The file to write the labels to.
     ExportMask,
     /// A folder to write trees to.
@@ -115,6 +117,7 @@ fn of_desktop(purpose: Purpose) -> Option<Vec<PathBuf>> {
             )
             .add_filter("All files", &["*"])
             .pick_files(),
+        Purpose::Runtime => dialog.pick_file().map(|path| vec![path]),
         Purpose::ImportMask => dialog
             .add_filter("Masks", &["png", "tif", "tiff", "tga", "bmp", "webp"])
             .pick_file()
@@ -146,6 +149,7 @@ fn chosen(purpose: Purpose, mut paths: Vec<PathBuf>) -> Option<Action> {
             Some(Action::Vary(VaryAction::ChoseFolder(folder)))
         }
         Purpose::Open => (!paths.is_empty()).then_some(Action::Open(paths)),
+        Purpose::Runtime => Some(Action::UseRuntime(paths.pop()?)),
         Purpose::ImportMask => Some(Action::Mask(MaskAction::Import(paths.pop()?))),
         Purpose::ExportMask | Purpose::Picture => {
             let mut path = paths.pop()?;
@@ -182,6 +186,7 @@ impl OwnDialog {
         let (title, verb) = match self.purpose {
             Purpose::Open => ("Open", "Open"),
             Purpose::Save => ("Save Project As", "Save"),
+            Purpose::Runtime => ("Use ONNX Runtime", "Use"),
             Purpose::ImportMask => ("Import Mask", "Import"),
             Purpose::ExportMask => ("Export Mask", "Export"),
             Purpose::Folder => ("Choose a Folder", "Choose"),

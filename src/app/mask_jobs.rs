@@ -14,14 +14,14 @@ use crate::document::{Edit, PhotoId};
 use crate::geometry::Point;
 use crate::jobs::{Context, JobError, Priority, Request, Topic};
 use crate::paint::{
-    FillRule, Paint, Reach, TiledMask, color_selection, grey_from_mask, mask_from_picture,
-    polygon_selection, smart_selection,
+    BACKGROUND, FillRule, Paint, Reach, TiledMask, color_selection, grey_from_mask,
+    mask_from_picture, polygon_selection, smart_selection,
 };
 use crate::pipeline::{PictureShape, picture_shape};
 use crate::raster::{
     Compression, Image, ReadLimits, Rect, Straight, encode_grey_png, read_image_from_memory,
 };
-use crate::segment::{Classical, Segmenter as _};
+use crate::segment::{Provenance, Segmenter as _, Source, standard};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -47,10 +47,20 @@ pub(super) enum MaskResult {
         after: TiledMask,
         label: &'static str,
     },
+    /// What the segmenter sees in a photograph, with its background or cut out.
+    Proposal(Proposal),
     /// A mask was written to this file.
     Exported(PathBuf),
     /// The shape of the shown tree.
     Shape(Shaped),
+}
+
+/// Labels that nobody painted.
+pub(super) struct Proposal {
+    photo: PhotoId,
+    mask: TiledMask,
+    provenance: Provenance,
+    is_cut_out: bool,
 }
 
 /// The shape of the tree in a photograph.
@@ -81,7 +91,10 @@ impl Studio {
     pub(super) fn accept_mask(&mut self, result: MaskResult) {
         let changes = matches!(
             result,
-            MaskResult::Selected { .. } | MaskResult::Mask { .. } | MaskResult::Smart { .. }
+            MaskResult::Selected { .. }
+                | MaskResult::Mask { .. }
+                | MaskResult::Smart { .. }
+                | MaskResult::Proposal(_)
         );
         if changes && (self.painting.is_some() || self.document.is_in_gesture()) {
             self.mask_work.held.push(result);
@@ -105,6 +118,7 @@ impl Studio {
                 after,
                 label,
             } => self.accept_changed(photo, before.as_ref(), after, label),
+            MaskResult::Proposal(proposal) => self.accept_proposal(proposal),
             MaskResult::Exported(path) => {
                 self.notify(Severity::Info, format!("Wrote {}", path.display()));
             }
@@ -251,31 +265,50 @@ impl Studio {
         });
     }
 
-    /// Labels crown and trunk as the segmenter sees them; of a photograph with its background the
-    /// user has to say more.
+    /// Labels crown and trunk as the segmenter sees them, in one step.
     pub(super) fn propose_mask(&mut self) {
         self.end_gesture();
         let (Some(photo), Some(picture)) = (self.shown(), self.picture_at_hand()) else {
             return;
         };
-        let is_cut_out = picture.pixels().iter().any(|pixel| pixel.alpha() < 128);
-        if !is_cut_out {
+        self.start("Proposing a mask", "change mask", photo, move |context| {
+            let found = standard().segmented(&picture, context.cancel());
+            let found = found.map_err(JobError::failed)?;
+            Ok(MaskResult::Proposal(Proposal {
+                photo,
+                mask: TiledMask::from_labels(&found.labels),
+                provenance: found.provenance,
+                is_cut_out: picture.pixels().iter().any(|pixel| pixel.alpha() < 128),
+            }))
+        });
+    }
+
+    /// The proposal becomes the mask. The rules see nothing in a photograph with its background: there
+    /// the user has to say more.
+    fn accept_proposal(&mut self, proposal: Proposal) {
+        let Provenance {
+            source, confidence, ..
+        } = proposal.provenance;
+        let is_empty = proposal.mask.count(|label| label != BACKGROUND) == 0;
+        if is_empty || (source == Source::Classical && !proposal.is_cut_out) {
             self.take_tool(Tool::Smart);
-            let how = "This photograph still has its background. Smart Select: draw a stroke \
-                       inside the crown, then with the right button outside, and press Enter.";
+            let how = "No tree was found in this photograph with enough confidence. Smart Select: \
+                       draw a stroke inside the crown, then with the right button outside, and \
+                       press Enter.";
             self.notify(Severity::Info, how);
             return;
         }
-        self.start("Proposing a mask", "change mask", photo, move |context| {
-            let labels = Classical.segment(&picture, context.cancel());
-            let labels = labels.map_err(JobError::failed)?;
-            Ok(MaskResult::Mask {
-                photo,
-                before: None,
-                after: TiledMask::from_labels(&labels),
-                label: "Propose Mask",
-            })
-        });
+        self.accept_changed(proposal.photo, None, proposal.mask, "Propose Mask");
+        let told = match (source, confidence) {
+            (Source::Learned, Some(confidence)) => {
+                let percent = 100.0 * confidence;
+                format!(
+                    "Proposed by the learned segmenter, {percent:.0} % sure. Correct it by hand."
+                )
+            }
+            _ => "Proposed by the classical segmenter. Correct it by hand.".to_owned(),
+        };
+        self.notify(Severity::Info, told);
     }
 
     pub(super) fn import_mask(&mut self, path: PathBuf) {
@@ -339,7 +372,7 @@ impl Studio {
             "shape",
             photo,
             move |context| {
-                let shape = picture_shape(&picture, &mask, &Classical, context.cancel());
+                let shape = picture_shape(&picture, &mask, standard(), context.cancel());
                 context.check()?;
                 Ok(MaskResult::Shape(Shaped {
                     photo: digest,

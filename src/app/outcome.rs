@@ -11,7 +11,7 @@ use crate::document::{Decoded, Document, Edit, PhotoId, Snapshot};
 use crate::jobs::{Context, JobError, Message, Priority, Report, Request, Topic};
 use crate::paint::TiledMask;
 use crate::raster::{Image, Pyramid, ReadLimits, Rect, Straight, read_image_from_memory, resized};
-use crate::segment::{Classical, Segmenter as _};
+use crate::segment::{Segmenter as _, standard};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, PoisonError};
@@ -454,7 +454,7 @@ fn sample(context: &Context<Outcome>) -> Result<Document, JobError> {
         .map(|sample| {
             context.cancel().check()?;
             let image = decoded(sample.bundled(), sample.name()).map_err(JobError::failed)?;
-            let labels = Classical.segment(&image, context.cancel());
+            let labels = standard().segment(&image, context.cancel());
             let labels = labels.map_err(JobError::failed)?;
             Ok((sample, Arc::new(TiledMask::from_labels(&labels))))
         })

@@ -20,6 +20,8 @@ pub struct Preferences {
     pub live_crown: bool,
     /// Whether the first steps were shown.
     pub tour_was_seen: bool,
+    /// The library that runs networks, if not the one built in.
+    pub onnx_runtime: Option<PathBuf>,
 }
 
 /// Whose mouse buttons the 3D view uses. Left drag, wheel and Shift work everywhere.
@@ -42,6 +44,7 @@ impl Default for Preferences {
             navigation: Navigation::default(),
             live_crown: true,
             tour_was_seen: false,
+            onnx_runtime: None,
         }
     }
 }

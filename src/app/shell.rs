@@ -10,6 +10,7 @@ use super::preferences::Preferences;
 use super::studio::{Effect, Next, Question, Severity, Studio, Workspace};
 use super::theme::{self, GAP, TIGHT, tokens};
 use super::{palette, shortcut_sheet, start, tour};
+use crate::segment::Runtime;
 use egui::{Context, RichText, Ui, ViewportCommand};
 use std::io::Write as _;
 use std::path::PathBuf;
@@ -104,6 +105,8 @@ impl Shell {
         let preferences: Preferences = kept
             .and_then(|kept| eframe::get_value(kept, PREFERENCES))
             .unwrap_or_default();
+        // Heard unless the command line named one.
+        Runtime::choose(preferences.onnx_runtime.as_deref());
         let layouts: Option<Layouts> = kept.and_then(|kept| eframe::get_value(kept, LAYOUTS));
         let waker = ctx.clone();
         let mut studio = Studio::new(preferences, recovery_folder, move || {
@@ -147,6 +150,7 @@ impl Shell {
         match effect {
             Effect::AskWhatToOpen => self.dialogs.ask(Purpose::Open, ctx),
             Effect::AskWhereToSave => self.dialogs.ask(Purpose::Save, ctx),
+            Effect::AskWhichRuntime => self.dialogs.ask(Purpose::Runtime, ctx),
             Effect::AskWhichMask => self.dialogs.ask(Purpose::ImportMask, ctx),
             Effect::AskWhereToExportMask => self.dialogs.ask(Purpose::ExportMask, ctx),
             Effect::ZoomToFit | Effect::ZoomToPixels | Effect::ZoomBy(_) | Effect::FrameTree => {

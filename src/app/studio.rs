@@ -119,6 +119,8 @@ pub(super) enum Effect {
     ZoomBy(f32),
     /// Shows the file dialog for a mask to read.
     AskWhichMask,
+    /// Asks for a library that runs networks.
+    AskWhichRuntime,
     /// Shows the file dialog for a mask to write.
     AskWhereToExportMask,
     /// Shows the file dialog for a picture of the crown.

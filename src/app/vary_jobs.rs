@@ -9,7 +9,7 @@ use crate::document::PhotoId;
 use crate::jobs::{Context, JobError, Priority, Request, Topic};
 use crate::pipeline::{Pool, choice_settings};
 use crate::raster::{Image, Premultiplied, Rect, Straight, resized};
-use crate::segment::Classical;
+use crate::segment::standard;
 use crate::variation::{
     ChoiceSettings, Chosen, Draft, Drafts, Exemplar, ExemplarSettings, Library, LibraryError,
     LibraryPicture, Palette, TreeMaker,
@@ -250,7 +250,7 @@ fn prepared(
     let (library, refused) = Library::of(
         pictures,
         ExemplarSettings::default(),
-        &Classical,
+        standard(),
         None,
         known,
         context.progress(),

@@ -13,7 +13,7 @@ use std::path::Path;
 pub(crate) fn opened<'a>(
     pictures: &[LibraryPicture],
     settings: ExemplarSettings,
-    segmenter: &'a (dyn Segmenter + Sync),
+    segmenter: &'a dyn Segmenter,
     cache: Option<&Path>,
     session: &Run<'_>,
 ) -> Result<Library<'a>, Failure> {

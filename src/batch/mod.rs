@@ -17,6 +17,7 @@ pub(crate) mod failure;
 pub(crate) mod input;
 pub(crate) mod items;
 pub(crate) mod library;
+pub(crate) mod model;
 pub(crate) mod output;
 pub(crate) mod records;
 pub(crate) mod run;

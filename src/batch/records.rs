@@ -4,6 +4,7 @@ use super::failure::Failure;
 use crate::base::{Seed, read_limited};
 use crate::contour::PinnedContour;
 use crate::geometry::Point;
+use crate::segment::{Classical, Segmenter, Source};
 use crate::variation::{Chosen, Distortion, ExemplarSettings, Library, SeasonSettings};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -24,7 +25,37 @@ pub(crate) struct LibraryRecord {
     pub(crate) library: String,
     /// How exemplars were prepared.
     pub(crate) settings: ExemplarSettings,
+    /// What told crown from trunk.
+    #[serde(default)]
+    pub(crate) segmenter: SegmenterRecord,
     pub(crate) trees: Vec<TreeRecord>,
+}
+
+/// What told crown from trunk in all pictures.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct SegmenterRecord {
+    /// See [`Segmenter::name`].
+    pub(crate) name: String,
+    /// Digest of the network that it could ask, BLAKE3.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) model: Option<String>,
+}
+
+impl SegmenterRecord {
+    /// That of `segmenter`.
+    pub(crate) fn of(segmenter: &dyn Segmenter) -> Self {
+        Self {
+            name: segmenter.name().to_owned(),
+            model: segmenter.model().map(|digest| digest.to_string()),
+        }
+    }
+}
+
+/// Records that say nothing of it are older than networks.
+impl Default for SegmenterRecord {
+    fn default() -> Self {
+        Self::of(&Classical)
+    }
 }
 
 /// One tree.
@@ -58,6 +89,9 @@ pub(crate) struct ExemplarRecord {
     pub(crate) file: String,
     /// Digest of the file's content, BLAKE3.
     pub(crate) digest: String,
+    /// Who told its crown from its trunk.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) labels: Option<Source>,
 }
 
 /// The season that a tree was put into.
@@ -112,6 +146,7 @@ impl TreeRecord {
             ExemplarRecord {
                 file,
                 digest: entry.digest.to_string(),
+                labels: Some(entry.provenance.source),
             }
         };
         Self {
@@ -154,13 +189,14 @@ impl TreeRecord {
 }
 
 impl LibraryRecord {
-    pub(crate) fn new(folder: &Path, settings: ExemplarSettings, trees: Vec<TreeRecord>) -> Self {
+    pub(crate) fn new(folder: &Path, library: &Library<'_>, trees: Vec<TreeRecord>) -> Self {
         Self {
             format: "boscage-library".to_owned(),
             version: VERSION,
             generator: concat!("boscage ", env!("CARGO_PKG_VERSION")).to_owned(),
             library: folder.display().to_string(),
-            settings,
+            settings: *library.settings(),
+            segmenter: SegmenterRecord::of(library.segmenter()),
             trees,
         }
     }

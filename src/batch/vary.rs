@@ -10,7 +10,7 @@ use super::season::SeasonJob;
 use crate::base::{Digest, Hasher, Seed};
 use crate::pipeline::{GalleryTree, Pool, tree_maps};
 use crate::raster::{Compression, Image, encode_grey_png, encode_png};
-use crate::segment::{Classical, grey_from_labels};
+use crate::segment::{Segmenter, grey_from_labels};
 use crate::variation::{
     ChoiceSettings, Chosen, ExemplarSettings, Histogram, Library, LibraryPicture, Palette, Shape,
     Tree, TreeMaker, chosen,
@@ -102,7 +102,7 @@ impl Vary {
     /// Chooses the trees, makes those of this shard, and writes the record, which it gives back.
     pub(crate) fn run(
         &self,
-        segmenter: &Classical,
+        segmenter: &dyn Segmenter,
         out: &Path,
         session: &Run<'_>,
     ) -> Result<LibraryRecord, Failure> {
@@ -228,7 +228,7 @@ impl Vary {
                 .map(|season| season.record(&tree.chosen, library));
             TreeRecord { season, ..record }
         });
-        LibraryRecord::new(&self.folder, self.settings, trees.collect())
+        LibraryRecord::new(&self.folder, library, trees.collect())
     }
 
     fn draw_sheet(
@@ -299,7 +299,7 @@ impl Like {
     pub(crate) fn of(
         picture: &LibraryPicture,
         settings: ExemplarSettings,
-        segmenter: &Classical,
+        segmenter: &dyn Segmenter,
         session: &Run<'_>,
     ) -> Result<Self, Failure> {
         let pictures = std::slice::from_ref(picture);
@@ -309,6 +309,7 @@ impl Like {
             record: ExemplarRecord {
                 file: picture.path.display().to_string(),
                 digest: library.entries()[0].digest.to_string(),
+                labels: Some(library.entries()[0].provenance.source),
             },
             palette: Palette::of_exemplar(&exemplar),
         })
@@ -330,7 +331,7 @@ pub(crate) fn make_tree(
     outputs: &Outputs<'_>,
     session: &Run<'_>,
 ) -> Result<(), Failure> {
-    let digest = record_digest(record);
+    let digest = record_digest(record, &maker.library().segmenter().key());
     let files = outputs.of(record.name());
     if files
         .iter()
@@ -381,7 +382,10 @@ fn write_maps(
 }
 
 /// The digest of all that a tree is made of.
-fn record_digest(record: &TreeRecord) -> Digest {
+fn record_digest(record: &TreeRecord, segmenter: &str) -> Digest {
     let hasher: Hasher = recipe("vary");
-    hasher.with(record.to_json().as_bytes()).finish()
+    hasher
+        .with(segmenter.as_bytes())
+        .with(record.to_json().as_bytes())
+        .finish()
 }

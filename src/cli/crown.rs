@@ -1,17 +1,22 @@
 //! `boscage crown`: a photograph and the mask of its crown → a crown to be drawn.
 
 use super::failure::Failure;
-use super::input::{PhotoWithMask, grey, mask_from};
+use super::input::{PictureFile, grey, mask_from};
 use super::output::recipe;
 use super::regions::{Region, region_masks, regions_from};
+use super::segmenter::{SegmenterFlags, failed, provenance_json};
 use super::session::Session;
 use super::{Job, Stages};
 use crate::base::{Digest, Seed, read_limited};
+use crate::batch::records::SegmenterRecord;
 use crate::crown::{SubCrown, Tangent, relief};
 use crate::export::{CROWN_RECORD, CrownRecord, crown_file_names, crown_files};
 use crate::pipeline::{CrownError, CrownSettings, crown, crown_of_regions};
 use crate::raster::{Compression, Image, Mask, Straight, encode_grey16_png, opaque_bounds};
 use crate::scene::Crown;
+use crate::segment::{
+    Label, Provenance, Segmented, Segmenter, Source, crown_count, grey_from_labels,
+};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -22,16 +27,20 @@ use std::path::{Path, PathBuf};
 /// Writes a folder: crown.json, the colour, height and radius of the crown as cubemaps
 /// (color_px.png … radius_nz.png), its base mesh, and crown.glb, a textured mesh for other programs.
 #[derive(Debug, Args)]
-#[command(after_help = "Example: boscage crown oak.jpg --mask oak.mask.png --out oak-crown")]
+#[command(after_help = "Examples:
+  boscage crown oak.jpg --mask oak.mask.png --out oak-crown
+  boscage crown oak.jpg --out oak-crown")]
 pub(super) struct Flags {
     /// The photograph
     #[arg(required_unless_present = "recipe", value_name = "PHOTO")]
     photo: Option<PathBuf>,
-    /// Its crown: white (or opaque) where it is
-    #[arg(long, required_unless_present = "recipe", value_name = "MASK")]
+    /// Its crown: white (or opaque) where it is [default: what the learned segmenter finds]
+    #[arg(long, value_name = "MASK")]
     mask: Option<PathBuf>,
+    #[command(flatten)]
+    segmenter: SegmenterFlags,
     /// Make the crown of a crown.json again, from the same files
-    #[arg(long, value_name = "crown.json", conflicts_with_all = ["photo", "mask", "k", "regions", "photo_front", "relief", "size", "copies", "height", "trunk_height"])]
+    #[arg(long, value_name = "crown.json", conflicts_with_all = ["photo", "mask", "k", "regions", "photo_front", "relief", "size", "copies", "height", "trunk_height", "segmenter"])]
     recipe: Option<PathBuf>,
     /// How steeply the crown leaves its silhouette: a number or a formula in i and j, 0 … 1 from left
     /// and top of the crown [default: so that it is as deep as it is wide]
@@ -40,7 +49,12 @@ pub(super) struct Flags {
     /// Regions of the mask, by their grey values, each with its own k and depth, merged:
     /// {"regions":[{"label":100,"k":2},{"label":200,"k":"1+j","depth_px":20}]}; depth_px is towards
     /// the viewer, in pixels of a crown whose longer side has --size of them
-    #[arg(long, value_name = "FILE.json", conflicts_with = "k")]
+    #[arg(
+        long,
+        value_name = "FILE.json",
+        conflicts_with = "k",
+        requires = "mask"
+    )]
     regions: Option<PathBuf>,
     /// Keep the photograph on the front and let the rest grow out of it
     #[arg(long)]
@@ -75,8 +89,14 @@ const RELIEF_FILE: &str = "relief.png";
 struct Recipe {
     photo: String,
     photo_digest: String,
-    mask: String,
+    /// The mask's file; none where the crown was found.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    mask: Option<String>,
+    /// Digest of that file, or of the mask that was found.
     mask_digest: String,
+    /// What found the crown.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    segmenter: Option<SegmenterRecord>,
     seed: u64,
     settings: CrownSettings,
     /// Which greys of the mask are inflated by themselves; none: all of it at once.
@@ -118,6 +138,7 @@ impl Job for Flags {
             json!({
                 "output": folder.display().to_string(),
                 "relief": relief_file.as_ref().map(|file| file.display().to_string()),
+                "mask": inputs.mask.json(),
                 "kept": is_kept,
                 "size": record.size,
                 "center_m": record.center_m,
@@ -131,7 +152,8 @@ impl Job for Flags {
 
 /// The files of a crown, read, and all that is to be done with them.
 struct Inputs {
-    pictures: PhotoWithMask,
+    photo: PictureFile,
+    mask: CrownMask,
     recipe: Recipe,
     /// Where the regions stand, if they were typed.
     regions_file: Option<PathBuf>,
@@ -141,29 +163,83 @@ impl Flags {
     /// Reads the inputs, as typed or as a record tells.
     fn inputs(&self, session: &Session<'_>) -> Result<Inputs, Failure> {
         if let Some(path) = &self.recipe {
-            return inputs_again(path, session);
+            return self.inputs_again(path, session);
         }
         let missing = |name| Failure::of(name, "is needed by this command");
         let photo_path = self.photo.as_ref().ok_or_else(|| missing("PHOTO"))?;
-        let mask_path = self.mask.as_ref().ok_or_else(|| missing("--mask MASK"))?;
         let settings = self.settings()?;
         let bad = |error| Failure::BadInput(format!("{error}"));
         settings.check().map_err(bad)?;
         let regions = self.regions.as_deref().map(regions_from).transpose()?;
-        let pictures = PhotoWithMask::read(photo_path, mask_path, session)?;
+        let stage = session.progress.stage("read", 1);
+        let photo = PictureFile::read(photo_path)?;
+        let (mask, segmenter) = match &self.mask {
+            Some(path) => (CrownMask::File(PictureFile::read(path)?), None),
+            None => {
+                let segmenter = self.segmenter.checked(session.cancel)?;
+                let mask = CrownMask::found(&photo, segmenter.as_ref(), session)?;
+                (mask, Some(SegmenterRecord::of(segmenter.as_ref())))
+            }
+        };
+        drop(stage);
         let recipe = Recipe {
             photo: photo_path.display().to_string(),
-            photo_digest: pictures.photo.digest().to_string(),
-            mask: mask_path.display().to_string(),
-            mask_digest: pictures.mask.digest().to_string(),
+            photo_digest: photo.digest().to_string(),
+            mask: self.mask.as_ref().map(|path| path.display().to_string()),
+            mask_digest: mask.digest().to_string(),
+            segmenter,
             seed: session.options.seed,
             settings,
             regions: regions.unwrap_or_default(),
         };
         Ok(Inputs {
-            pictures,
+            photo,
+            mask,
             recipe,
             regions_file: self.regions.clone(),
+        })
+    }
+
+    /// The inputs that the `crown.json` at `path` names, which must not have changed.
+    fn inputs_again(&self, path: &Path, session: &Session<'_>) -> Result<Inputs, Failure> {
+        let refused = |reason: String| Failure::of(path.display(), reason);
+        let record = record_at(path)?;
+        let recipe: Recipe = serde_json::from_value(record.recipe)
+            .map_err(|error| refused(format!("its recipe is not known: {error}")))?;
+        recipe
+            .settings
+            .check()
+            .map_err(|error| refused(error.to_string()))?;
+        let photo = PictureFile::read(recipe.photo.as_ref())?;
+        let changed = |file: &PictureFile| {
+            let reason = "is not the file that the crown was made from";
+            Err(Failure::of(file.path().display(), reason))
+        };
+        if photo.digest().to_string() != recipe.photo_digest {
+            return changed(&photo);
+        }
+        let mask = match (&recipe.mask, &recipe.segmenter) {
+            (Some(mask), _) => CrownMask::File(PictureFile::read(mask.as_ref())?),
+            (None, Some(record)) => {
+                let segmenter = self.segmenter.recorded(record, path, session.cancel)?;
+                CrownMask::found(&photo, segmenter.as_ref(), session)?
+            }
+            (None, None) => return Err(refused("its recipe names no mask".to_owned())),
+        };
+        if mask.digest().to_string() != recipe.mask_digest {
+            return match &mask {
+                CrownMask::File(file) => changed(file),
+                CrownMask::Found { .. } => {
+                    let reason = "its crown is found otherwise on this machine";
+                    Err(refused(reason.to_owned()))
+                }
+            };
+        }
+        Ok(Inputs {
+            photo,
+            mask,
+            recipe,
+            regions_file: None,
         })
     }
 
@@ -183,29 +259,81 @@ impl Flags {
     }
 }
 
-/// The inputs that the `crown.json` at `path` names, which must not have changed.
-fn inputs_again(path: &Path, session: &Session<'_>) -> Result<Inputs, Failure> {
-    let failed = |reason: String| Failure::of(path.display(), reason);
-    let record = record_at(path)?;
-    let recipe: Recipe = serde_json::from_value(record.recipe)
-        .map_err(|error| failed(format!("its recipe is not known: {error}")))?;
-    recipe
-        .settings
-        .check()
-        .map_err(|error| failed(error.to_string()))?;
-    let pictures = PhotoWithMask::read(recipe.photo.as_ref(), recipe.mask.as_ref(), session)?;
-    let digests = [&recipe.photo_digest, &recipe.mask_digest];
-    for (file, digest) in [&pictures.photo, &pictures.mask].into_iter().zip(digests) {
-        if file.digest().to_string() != *digest {
-            let reason = "is not the file that the crown was made from";
-            return Err(Failure::of(file.path().display(), reason));
+/// Where the crown is.
+enum CrownMask {
+    /// A file says so.
+    File(PictureFile),
+    /// A segmenter says so.
+    Found {
+        picture: Image<Straight>,
+        provenance: Provenance,
+    },
+}
+
+impl CrownMask {
+    /// The crown that `segmenter` sees in `photo`.
+    fn found(
+        photo: &PictureFile,
+        segmenter: &dyn Segmenter,
+        session: &Session<'_>,
+    ) -> Result<Self, Failure> {
+        let picture = photo.decoded()?;
+        let path = photo.path();
+        let Segmented { labels, provenance } = segmenter
+            .segmented(&picture, session.cancel)
+            .map_err(|error| failed(path, error))?;
+        let is_cut_out = picture.pixels().iter().any(|pixel| pixel.alpha() < 128);
+        let is_guess = provenance.source == Source::Classical && !is_cut_out;
+        if is_guess || crown_count(&labels) == 0 {
+            let sure = provenance
+                .confidence
+                .map_or_else(String::new, |confidence| {
+                    format!(" (confidence {confidence:.2})")
+                });
+            let reason =
+                format!("no crown was found in it with enough confidence{sure}; give a --mask");
+            return Err(Failure::of(path.display(), reason));
+        }
+        if let (Source::Learned, Some(confidence)) = (provenance.source, provenance.confidence) {
+            session.progress.warn(&format!(
+                "{}: its crown was found by the learned segmenter, confidence {confidence:.2}; \
+                 boscage segment shows it",
+                path.display()
+            ));
+        }
+        let crown = labels.map(|&label| match label {
+            Label::Crown => Label::Crown,
+            _ => Label::Background,
+        });
+        let picture = grey_from_labels(&crown).map(|&grey| Straight([grey, grey, grey, 255]));
+        Ok(Self::Found {
+            picture,
+            provenance,
+        })
+    }
+
+    /// Its picture.
+    fn picture(&self) -> Result<Image<Straight>, Failure> {
+        match self {
+            Self::File(file) => file.decoded(),
+            Self::Found { picture, .. } => Ok(picture.clone()),
         }
     }
-    Ok(Inputs {
-        pictures,
-        recipe,
-        regions_file: None,
-    })
+
+    /// The digest of the file, or of the pixels.
+    fn digest(&self) -> Digest {
+        match self {
+            Self::File(file) => file.digest(),
+            Self::Found { picture, .. } => Digest::of(bytemuck::cast_slice(picture.pixels())),
+        }
+    }
+
+    fn json(&self) -> Value {
+        match self {
+            Self::File(file) => json!({"file": file.path().display().to_string()}),
+            Self::Found { provenance, .. } => provenance_json(provenance),
+        }
+    }
 }
 
 /// The record in a `crown.json`.
@@ -265,9 +393,8 @@ impl Inputs {
         let recipe: Value = json!(self.recipe);
         let stage = session.progress.stage("write", 2);
         let record = CrownRecord::new(&crown, recipe.clone());
-        let files = crown_files(&crown, recipe, session.cancel).map_err(|error| {
-            Failure::of_crown_files(self.pictures.photo.path().display(), &error)
-        })?;
+        let files = crown_files(&crown, recipe, session.cancel)
+            .map_err(|error| Failure::of_crown_files(self.photo.path().display(), &error))?;
         stage.advance();
         let files = files.into_iter();
         let files = files.map(|(name, bytes)| (folder.join(name), bytes));
@@ -283,10 +410,7 @@ impl Inputs {
         if session.output.is_ready(file, digest) {
             return Ok(());
         }
-        let (photo, image) = (
-            self.pictures.photo.decoded()?,
-            self.pictures.mask.decoded()?,
-        );
+        let (photo, image) = (self.photo.decoded()?, self.mask.picture()?);
         let regions = &self.recipe.regions;
         let mask = match regions.is_empty() {
             true => mask_from(&image),
@@ -299,10 +423,7 @@ impl Inputs {
     }
 
     fn crown(&self, session: &Session<'_>) -> Result<Crown, Failure> {
-        let (photo, image) = (
-            self.pictures.photo.decoded()?,
-            self.pictures.mask.decoded()?,
-        );
+        let (photo, image) = (self.photo.decoded()?, self.mask.picture()?);
         let Recipe { seed, settings, .. } = &self.recipe;
         let (seed, progress, cancel) = (Seed(*seed), session.progress, session.cancel);
         let made = if self.recipe.regions.is_empty() {
@@ -320,7 +441,7 @@ impl Inputs {
         image: &Image<Straight>,
         session: &Session<'_>,
     ) -> Result<Vec<SubCrown>, Failure> {
-        let (regions, mask) = (&self.recipe.regions, self.pictures.mask.path());
+        let (regions, mask) = (&self.recipe.regions, self.mask_path());
         let file = self.regions_file.as_deref().unwrap_or(mask);
         let masks = region_masks(regions, file, image, mask, session)?;
         let is_named = |grey: &u8| regions.iter().any(|region| region.label == *grey);
@@ -335,16 +456,24 @@ impl Inputs {
         Ok(regions.iter().zip(masks).map(sub_crown).collect())
     }
 
+    /// The file to name when something is wrong with the mask.
+    fn mask_path(&self) -> &Path {
+        match &self.mask {
+            CrownMask::File(file) => file.path(),
+            CrownMask::Found { .. } => self.photo.path(),
+        }
+    }
+
     fn failure(&self, error: &CrownError) -> Failure {
         match error {
             error if error.is_cancelled() => Failure::Cancelled,
-            CrownError::Synthesis(_) => Failure::of(self.pictures.photo.path().display(), error),
+            CrownError::Synthesis(_) => Failure::of(self.photo.path().display(), error),
             CrownError::Setting(_) => Failure::BadInput(error.to_string()),
             CrownError::Tangent(_) => match &self.regions_file {
                 Some(file) => Failure::of(file.display(), error),
                 None => Failure::of("--k", error),
             },
-            _ => Failure::of(self.pictures.mask.path().display(), error),
+            _ => Failure::of(self.mask_path().display(), error),
         }
     }
 }

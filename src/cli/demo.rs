@@ -7,7 +7,7 @@ use super::session::Session;
 use super::{Job, Stages};
 use crate::batch::vary::{Trees, Vary};
 use crate::branches::samples::samples;
-use crate::segment::Classical;
+use crate::segment::standard;
 use crate::variation::{ChoiceSettings, ExemplarSettings};
 use clap::Args;
 use std::path::PathBuf;
@@ -74,7 +74,7 @@ impl Job for Flags {
             season: None,
             cache: None,
         };
-        vary.run(&Classical, &out.join("trees"), session)?;
+        vary.run(standard(), &out.join("trees"), session)?;
         if session.options.shard.contains(0) {
             demo_crown(session, &out.join("crown"))?;
         }

@@ -13,7 +13,7 @@ use crate::render::{
     Backend, LeafSet, Mode, PreparedCrown, PreparedMesh, RenderSettings, Renderer, SceneView,
 };
 use crate::scene::{Backdrop, Camera, Crown, CrownInstance, Light, Trunk};
-use crate::segment::{Classical, Label, Segmenter as _};
+use crate::segment::{Label, Segmenter as _, standard};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -71,6 +71,7 @@ fn settings() -> CrownSettings {
 fn digest_of(sample: &Sample, seed: u64) -> Digest {
     recipe("demo crown")
         .with(sample.bundled())
+        .with(standard().key().as_bytes())
         .with(&seed.to_le_bytes())
         .finish()
 }
@@ -78,7 +79,7 @@ fn digest_of(sample: &Sample, seed: u64) -> Digest {
 fn crown_of(sample: &Sample, session: &Session<'_>) -> Result<Crown, Failure> {
     let picture =
         read_image_from_memory(sample.bundled(), Path::new(SAMPLE), ReadLimits::default())?;
-    let labels = Classical.segment(&picture, session.cancel)?;
+    let labels = standard().segment(&picture, session.cancel)?;
     let mask: Mask = labels.map(|&label| label == Label::Crown);
     let seed = Seed(session.options.seed);
     crown(

@@ -82,7 +82,7 @@ pub(super) fn with_settings(
         .with(&settings.threshold.to_le_bytes())
         .with(&(settings.points as u64).to_le_bytes())
         .with(&(settings.simplified as u64).to_le_bytes())
-        .with(segmenter.name().as_bytes())
+        .with(segmenter.key().as_bytes())
 }
 
 /// The picture in the file `path`, prepared, and the digest of the file.
@@ -92,7 +92,7 @@ pub(super) fn with_settings(
 pub(super) fn prepared(
     path: &Path,
     settings: &ExemplarSettings,
-    segmenter: &(dyn Segmenter + Sync),
+    segmenter: &dyn Segmenter,
     session: &Session<'_>,
 ) -> Result<(Exemplar, Digest), Failure> {
     let file = PictureFile::read(path)?;

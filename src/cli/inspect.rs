@@ -4,7 +4,7 @@ use super::exemplars::{SettingsFlags, refused, with_settings};
 use super::failure::Failure;
 use super::input::PictureFile;
 use super::output::recipe;
-use super::segment::SegmenterFlags;
+use super::segmenter::{SegmenterFlags, add, failed, provenance_json};
 use super::session::Session;
 use super::{Job, Stages};
 use crate::base::Digest;
@@ -12,8 +12,8 @@ use crate::contour::Pins;
 use crate::geometry::Point;
 use crate::raster::{Compression, Image, Straight, encode_grey_png, encode_png};
 use crate::segment::{
-    Classical, Label, Labels, Segmenter as _, crown_count, grey_from_labels, labels_from_grey,
-    trunk_count,
+    Label, Labels, Provenance, Segmented, Segmenter, crown_count, grey_from_labels,
+    labels_from_grey, trunk_count,
 };
 use crate::sheet::{Overlay, overlay};
 use crate::variation::{ExemplarSettings, Normalized, Outlined, Shape, normalized};
@@ -61,7 +61,8 @@ impl Job for Flags {
 
     fn run(&self, session: &Session<'_>) -> Result<(), Failure> {
         let settings = self.settings.checked()?;
-        let segmenter = self.segmenter.checked()?;
+        let segmenter = self.segmenter.checked(session.cancel)?;
+        let segmenter = segmenter.as_ref();
         let files = self.dump.as_deref().map(DumpFiles::within);
         if let Some(files) = &files {
             session.output.check(files.all())?;
@@ -69,10 +70,10 @@ impl Job for Flags {
         let reading = session.progress.stage("read", 1);
         let inputs = Inputs::read(self)?;
         drop(reading);
-        let found = self.found(&inputs, &settings, &segmenter, session)?;
+        let found = self.found(&inputs, &settings, segmenter, session)?;
         if let Some(files) = &files {
             let _dumping = session.progress.stage("dump", 1);
-            let recipe = with_settings(recipe("inspect"), &settings, &segmenter)
+            let recipe = with_settings(recipe("inspect"), &settings, segmenter)
                 .with(inputs.digest.bytes())
                 .with(&inputs.labels_digest())
                 .finish();
@@ -122,7 +123,7 @@ impl Flags {
         &self,
         inputs: &Inputs,
         settings: &ExemplarSettings,
-        segmenter: &Classical,
+        segmenter: &dyn Segmenter,
         session: &Session<'_>,
     ) -> Result<Found, Failure> {
         let stage = session.progress.stage("normalize", 1);
@@ -131,11 +132,14 @@ impl Flags {
         drop(stage);
         session.cancel.check()?;
         let stage = session.progress.stage("segment", 1);
-        let (source, labels) = match &inputs.labels {
-            Some((labels, _)) => ("labels", self.placed(labels, &inputs.picture, &normalized)?),
+        let (provenance, labels) = match &inputs.labels {
+            Some((labels, _)) => (None, self.placed(labels, &inputs.picture, &normalized)?),
             None => {
                 let image = normalized.image.straight();
-                (segmenter.name(), segmenter.segment(&image, session.cancel)?)
+                let Segmented { labels, provenance } = segmenter
+                    .segmented(&image, session.cancel)
+                    .map_err(|error| failed(&self.image, error))?;
+                (Some(provenance), labels)
             }
         };
         drop(stage);
@@ -145,7 +149,7 @@ impl Flags {
         let (pins, _) = outlined.pins(&labels);
         Ok(Found {
             normalized,
-            source,
+            provenance,
             labels,
             outlined,
             pins,
@@ -183,8 +187,8 @@ impl Flags {
 /// All that is found on a picture.
 struct Found {
     normalized: Normalized,
-    /// What made the labels.
-    source: &'static str,
+    /// Who made the labels; `None`: the user.
+    provenance: Option<Provenance>,
     labels: Labels,
     outlined: Outlined,
     /// Pins as indices into the longest border.
@@ -220,12 +224,7 @@ impl Found {
                 "interior": count - exterior,
                 "longest": pairs(&self.longest_from_foot()),
             },
-            "segmentation": {
-                "source": self.source,
-                "crown_pixels": crown_count(&self.labels),
-                "trunk_pixels": trunk_count(&self.labels),
-                "baseline_y": self.shape.baseline_y,
-            },
+            "segmentation": self.segmentation(),
             "pins": {
                 "B": pin(self.pins.bottom),
                 "L": pin(self.pins.left),
@@ -236,6 +235,20 @@ impl Found {
             "density": self.shape.density,
             "seconds": session.seconds(),
         })
+    }
+
+    fn segmentation(&self) -> Value {
+        let mut found = json!({
+            "crown_pixels": crown_count(&self.labels),
+            "trunk_pixels": trunk_count(&self.labels),
+            "baseline_y": self.shape.baseline_y,
+        });
+        let told = match &self.provenance {
+            Some(provenance) => provenance_json(provenance),
+            None => json!({"source": "labels"}),
+        };
+        add(&mut found, told);
+        found
     }
 
     /// A few lines for a person.

@@ -83,7 +83,7 @@ fn entry_is_hidden(path: &Path) -> bool {
 pub(super) fn opened<'a>(
     files: &[PathBuf],
     settings: ExemplarSettings,
-    segmenter: &'a (dyn Segmenter + Sync),
+    segmenter: &'a dyn Segmenter,
     cache: Option<&Path>,
     session: &Session<'_>,
 ) -> Result<Library<'a>, Failure> {

@@ -36,9 +36,11 @@ mod score;
 mod season;
 mod season_flags;
 mod segment;
+mod segmenter;
 mod session;
 mod synthesize;
 mod table;
+mod try_model;
 mod usage;
 mod vary;
 mod vary_again;
@@ -51,6 +53,7 @@ use crate::base::{
 };
 use crate::batch::run::Run;
 use crate::batch::{failure, input, items, output, records};
+use crate::segment::Runtime;
 use clap::{Parser, Subcommand};
 use clock::StageClock;
 use failure::Failure;
@@ -95,6 +98,8 @@ enum Command {
     Export(Box<export::Flags>),
     Crown(crown::Flags),
     Bench(bench::Flags),
+    #[command(hide = true)]
+    TryModel(try_model::Flags),
 }
 
 impl Command {
@@ -118,6 +123,7 @@ impl Command {
             Self::Export(flags) => flags.as_ref(),
             Self::Crown(flags) => flags,
             Self::Bench(flags) => flags,
+            Self::TryModel(flags) => flags,
         }
     }
 }
@@ -152,7 +158,12 @@ pub fn run() -> ExitCode {
             .options
             .check()
             .and_then(|()| run_job(&cli.options, command.job())),
-        None => studio(cli.files),
+        None => {
+            if let Some(library) = cli.options.onnx_runtime() {
+                Runtime::choose(Some(&library));
+            }
+            studio(cli.files)
+        }
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
@@ -169,6 +180,7 @@ fn run_job(options: &CommonOptions, job: &dyn Job) -> Result<(), Failure> {
     if let Some(name) = options.vector_level {
         limit_vector_level(name.level());
     }
+    Runtime::choose(options.onnx_runtime().as_deref());
     let cancel = Cancel::new();
     let raised = cancel.clone();
     ctrlc::set_handler(move || raised.cancel())
@@ -192,6 +204,9 @@ fn run_job(options: &CommonOptions, job: &dyn Job) -> Result<(), Failure> {
     let outcome = with_threads(options.threads.map(usize::from), || job.run(&session))
         .map_err(|error| Failure::Environment(format!("threads cannot be started: {error}")))
         .and_then(|outcome| outcome);
+    if let Some(note) = Runtime::started().and_then(Runtime::note) {
+        session.progress.warn(note);
+    }
     reporter.finish(outcome.as_ref().err());
     outcome
 }

@@ -8,7 +8,7 @@ use super::session::Session;
 use super::{Job, Stages};
 use crate::base::{Digest, Hasher};
 use crate::raster::{Compression, Image, Premultiplied, Rect, Straight, encode_png, resized};
-use crate::segment::Classical;
+use crate::segment::standard;
 use crate::sheet::{Cell, contact_sheet};
 use crate::variation::{Exemplar, ExemplarSettings, Layout, Source, WarpPrecision, synthesized};
 use clap::Args;
@@ -87,7 +87,7 @@ impl Flags {
         let stage = session.progress.stage("prepare", 2);
         let settings = self.size.settings();
         let prepare = |path: &Path| {
-            let prepared = prepared(path, &settings, &Classical, session);
+            let prepared = prepared(path, &settings, standard(), session);
             stage.advance();
             prepared
         };
@@ -152,7 +152,7 @@ impl Ends {
     }
 
     fn recipe(&self, t: f64) -> Hasher {
-        with_settings(recipe("morph"), &self.settings, &Classical)
+        with_settings(recipe("morph"), &self.settings, standard())
             .with(self.digests[0].bytes())
             .with(self.digests[1].bytes())
             .with(&t.to_le_bytes())

@@ -4,14 +4,16 @@ use super::failure::Failure;
 use super::input::PictureFile;
 use super::items::made;
 use super::output::recipe;
+use super::segmenter::{SegmenterFlags, add, failed, provenance_json};
 use super::session::Session;
 use super::{Job, Stages};
+use crate::base::Digest;
 use crate::raster::{Compression, encode_grey_png};
 use crate::segment::{
-    Classical, Labels, Segmenter as _, crown_baseline, crown_count, grey_from_labels,
+    Labels, Provenance, Segmented, Segmenter, crown_baseline, crown_count, grey_from_labels,
     labels_from_grey, trunk_count,
 };
-use clap::{Args, ValueEnum};
+use clap::Args;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::ffi::OsString;
@@ -20,54 +22,16 @@ use std::path::{Path, PathBuf};
 /// Tell crown, trunk and background apart
 ///
 /// Writes STEM.labels.png for each picture, 8-bit grey of the picture's size: 0 background, 128
-/// trunk, 255 crown. Pixels of alpha below 128 are background.
+/// trunk, 255 crown. In pictures with clear ground, pixels of alpha below 128 are background and all
+/// others are not; in photographs the tree is found, too.
 #[derive(Debug, Args)]
 #[command(after_help = "Example: boscage segment oak.png pine.png --out labels")]
 pub(super) struct Flags {
-    /// Pictures of trees on clear ground
+    /// Pictures of trees
     #[arg(required = true, value_name = "IMAGE")]
     images: Vec<PathBuf>,
     #[command(flatten)]
     segmenter: SegmenterFlags,
-}
-
-/// Which segmenter to use; shared by all commands that segment.
-#[derive(Debug, Args)]
-pub(super) struct SegmenterFlags {
-    /// What tells crown from trunk
-    #[arg(long, value_enum, default_value_t, value_name = "NAME")]
-    segmenter: SegmenterName,
-    /// A segmentation model
-    #[arg(long, value_name = "FILE.onnx")]
-    model: Option<PathBuf>,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
-enum SegmenterName {
-    /// The best that this version has: classical
-    #[default]
-    Auto,
-    /// A learned model (not in this version)
-    Onnx,
-    /// Colour, width profile and height
-    Classical,
-}
-
-impl SegmenterFlags {
-    /// The segmenter asked for.
-    ///
-    /// # Errors
-    /// [`Failure::BadInput`] for one that this version does not have.
-    pub(super) fn checked(&self) -> Result<Classical, Failure> {
-        const ONLY_CLASSICAL: &str = "this version has only the classical segmenter";
-        if let Some(model) = &self.model {
-            return Err(Failure::of(model.display(), ONLY_CLASSICAL));
-        }
-        match self.segmenter {
-            SegmenterName::Onnx => Err(Failure::of("--segmenter onnx", ONLY_CLASSICAL)),
-            SegmenterName::Auto | SegmenterName::Classical => Ok(Classical),
-        }
-    }
 }
 
 impl Job for Flags {
@@ -76,13 +40,13 @@ impl Job for Flags {
     }
 
     fn run(&self, session: &Session<'_>) -> Result<(), Failure> {
-        let segmenter = self.segmenter.checked()?;
+        let segmenter = self.segmenter.checked(session.cancel)?;
         let tasks = tasks(&self.images, session.options.out()?)?;
         let shard = session.options.shard;
         let ours = (0u64..).zip(&tasks).filter(|(i, _)| shard.contains(*i));
         session.output.check(ours.map(|(_, task)| &task.output))?;
         let made = made(session, "segment", &tasks, |_, task| {
-            task.run(&segmenter, session)
+            task.run(segmenter.as_ref(), session)
         })?;
         session.print_json(|| {
             let images: Vec<Value> = made.ready.into_iter().map(|(_, image)| image).collect();
@@ -130,43 +94,68 @@ fn tasks(images: &[PathBuf], folder: &Path) -> Result<Vec<Task>, Failure> {
 
 impl Task {
     /// Makes and writes the labels, or keeps those that are there; says what they are.
-    fn run(&self, segmenter: &Classical, session: &Session<'_>) -> Result<Value, Failure> {
+    fn run(&self, segmenter: &dyn Segmenter, session: &Session<'_>) -> Result<Value, Failure> {
         let file = PictureFile::read(&self.input)?;
         let recipe = recipe("segment")
             .with(file.digest().bytes())
-            .with(segmenter.name().as_bytes())
+            .with(segmenter.key().as_bytes())
             .finish();
-        let labels = if session.output.is_ready(&self.output, recipe) {
-            let kept = PictureFile::read(&self.output)?.decoded()?;
-            labels_from_grey(&kept.map(|pixel| pixel.0[0]))
-        } else {
-            let labels = segmenter.segment(&file.decoded()?, session.cancel)?;
-            let png = encode_grey_png(&grey_from_labels(&labels), Compression::Fast);
-            session.cancel.check()?;
-            session.output.write_item(&self.output, png, recipe)?;
-            labels
+        let Segmented { labels, provenance } = match self.kept(recipe, session)? {
+            Some(kept) => kept,
+            None => self.made(&file, segmenter, recipe, session)?,
         };
         if crown_count(&labels) + trunk_count(&labels) == 0 {
-            let warning = format!(
-                "{}: no pixel is opaque: all background",
-                self.input.display()
-            );
+            let warning = format!("{}: no tree: all background", self.input.display());
             session.progress.warn(&warning);
         }
-        Ok(self.description(&labels, segmenter.name()))
+        Ok(self.description(&labels, &provenance))
     }
 
-    fn description(&self, labels: &Labels, source: &str) -> Value {
-        json!({
+    /// The labels that are there already, if they are what would be made.
+    fn kept(&self, recipe: Digest, session: &Session<'_>) -> Result<Option<Segmented>, Failure> {
+        let note = session.output.ready_note(&self.output, recipe);
+        let provenance = note.and_then(|note| serde_json::from_str(&note).ok());
+        let Some(provenance) = provenance else {
+            return Ok(None);
+        };
+        let kept = PictureFile::read(&self.output)?.decoded()?;
+        Ok(Some(Segmented {
+            labels: labels_from_grey(&kept.map(|pixel| pixel.0[0])),
+            provenance,
+        }))
+    }
+
+    fn made(
+        &self,
+        file: &PictureFile,
+        segmenter: &dyn Segmenter,
+        recipe: Digest,
+        session: &Session<'_>,
+    ) -> Result<Segmented, Failure> {
+        let made = segmenter
+            .segmented(&file.decoded()?, session.cancel)
+            .map_err(|error| failed(&self.input, error))?;
+        let png = encode_grey_png(&grey_from_labels(&made.labels), Compression::Fast);
+        session.cancel.check()?;
+        let note = json!(made.provenance).to_string();
+        session
+            .output
+            .write_noted_item(&self.output, png, &note, recipe)?;
+        Ok(made)
+    }
+
+    fn description(&self, labels: &Labels, provenance: &Provenance) -> Value {
+        let mut description = json!({
             "file": self.input.display().to_string(),
             "output": self.output.display().to_string(),
             "width": labels.width(),
             "height": labels.height(),
-            "source": source,
             "crown_pixels": crown_count(labels),
             "trunk_pixels": trunk_count(labels),
             "baseline_y": crown_baseline(labels),
-        })
+        });
+        add(&mut description, provenance_json(provenance));
+        description
     }
 }
 

@@ -6,7 +6,7 @@ use super::library::picture_files;
 use super::session::Session;
 use super::{Job, Stages};
 use crate::raster::{Compression, Image, Premultiplied, encode_png};
-use crate::segment::Classical;
+use crate::segment::standard;
 use crate::sheet::{silhouette, table_sheet};
 use crate::variation::{Exemplar, ExemplarSettings, Layout, Source, WarpPrecision, synthesized};
 use clap::{Args, ValueEnum};
@@ -114,7 +114,7 @@ impl Flags {
         };
         let stage = session.progress.stage("prepare", files.len() as u64);
         let prepare = |file: &PathBuf| {
-            let outcome = match prepared(file, &settings, &Classical, session) {
+            let outcome = match prepared(file, &settings, standard(), session) {
                 Ok((exemplar, _)) => Some(Tree {
                     file: file.clone(),
                     exemplar,

@@ -3,7 +3,7 @@
 use super::failure::Failure;
 use super::library::{CacheFlags, picture_files, pictures};
 use super::season_flags::SeasonFlags;
-use super::segment::SegmenterFlags;
+use super::segmenter::SegmenterFlags;
 use super::session::Session;
 use super::vary_flags::{ColorsFlag, WeightRange};
 use super::{Job, Stages};
@@ -62,7 +62,7 @@ pub(super) struct Flags {
     #[arg(long)]
     pub(super) any_pair: bool,
     /// Make one tree again: FILE.json#NAME
-    #[arg(long, value_name = "FILE.json#NAME", conflicts_with_all = ["target", "count", "mix", "weights", "colors", "size", "maps", "any_pair"])]
+    #[arg(long, value_name = "FILE.json#NAME", conflicts_with_all = ["target", "count", "mix", "weights", "colors", "size", "maps", "any_pair", "segmenter"])]
     pub(super) recipe: Option<String>,
     #[command(flatten)]
     pub(super) season: SeasonFlags,
@@ -84,11 +84,12 @@ impl Job for Flags {
 
     fn run(&self, session: &Session<'_>) -> Result<(), Failure> {
         let out = session.options.out()?;
-        let segmenter = self.segmenter.checked()?;
         match &self.recipe {
-            Some(recipe) => super::vary_again::run(recipe, self, &segmenter, out, session),
+            Some(recipe) => super::vary_again::run(recipe, self, out, session),
             None => {
-                let record = self.checked()?.run(&segmenter, out, session)?;
+                let job = self.checked()?;
+                let segmenter = self.segmenter.checked(session.cancel)?;
+                let record = job.run(segmenter.as_ref(), out, session)?;
                 session.print_json(|| {
                     json!({
                         "library": out.join("library.json").display().to_string(),

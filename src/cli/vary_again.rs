@@ -6,7 +6,6 @@ use super::records::{LibraryRecord, TreeRecord};
 use super::session::Session;
 use super::vary::Flags;
 use crate::batch::vary::{Like, Outputs, make_tree};
-use crate::segment::Classical;
 use crate::variation::{Chosen, Library, Part, Shape, TreeMaker};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -15,7 +14,6 @@ use std::path::{Path, PathBuf};
 pub(super) fn run(
     recipe: &str,
     flags: &Flags,
-    segmenter: &Classical,
     out: &Path,
     session: &Session<'_>,
 ) -> Result<(), Failure> {
@@ -51,6 +49,10 @@ pub(super) fn run(
         .iter()
         .map(|exemplar| found(&exemplar.file, &folders))
         .collect::<Result<Vec<PathBuf>, Failure>>()?;
+    let segmenter = flags
+        .segmenter
+        .recorded(&record.segmenter, file, session.cancel)?;
+    let segmenter = segmenter.as_ref();
     let cache = flags.cache.folder();
     let library = opened(
         &paths,

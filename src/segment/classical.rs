@@ -16,7 +16,7 @@
 use super::foot::{feet, roots};
 use super::sketch::{OPAQUE, Sketch, Span};
 use super::stem::{Guide, stem};
-use super::{Label, Labels, SegmentError, Segmenter};
+use super::{Label, Labels, Provenance, SegmentError, Segmented, Segmenter, Source};
 use crate::base::Cancel;
 use crate::raster::{Image, Straight};
 
@@ -49,26 +49,45 @@ impl Segmenter for Classical {
         "classical"
     }
 
-    fn segment(&self, image: &Image<Straight>, cancel: &Cancel) -> Result<Labels, SegmentError> {
-        cancel.check()?;
-        let mut labels = image.map(|pixel| {
-            if pixel.alpha() >= OPAQUE {
-                Label::Crown
-            } else {
-                Label::Background
-            }
-        });
-        let Some(sketch) = Sketch::of(image) else {
-            return Ok(labels);
-        };
-        cancel.check()?;
-        let trunk = trunk(&sketch);
-        cancel.check()?;
-        if !trunk.is_empty() {
-            paint(&mut labels, &sketch, &trunk);
-        }
-        Ok(labels)
+    fn key(&self) -> String {
+        "classical 1".to_owned()
     }
+
+    fn segmented(
+        &self,
+        image: &Image<Straight>,
+        cancel: &Cancel,
+    ) -> Result<Segmented, SegmentError> {
+        Ok(Segmented {
+            labels: labelled(image, cancel)?,
+            provenance: Provenance {
+                source: Source::Classical,
+                confidence: None,
+                reason: None,
+            },
+        })
+    }
+}
+
+fn labelled(image: &Image<Straight>, cancel: &Cancel) -> Result<Labels, SegmentError> {
+    cancel.check()?;
+    let mut labels = image.map(|pixel| {
+        if pixel.alpha() >= OPAQUE {
+            Label::Crown
+        } else {
+            Label::Background
+        }
+    });
+    let Some(sketch) = Sketch::of(image) else {
+        return Ok(labels);
+    };
+    cancel.check()?;
+    let trunk = trunk(&sketch);
+    cancel.check()?;
+    if !trunk.is_empty() {
+        paint(&mut labels, &sketch, &trunk);
+    }
+    Ok(labels)
 }
 
 /// The spans of all trunks, in no order.

@@ -8,11 +8,11 @@
 use super::{Exemplar, ExemplarSettings, Shape};
 use crate::base::{Digest, FileError, Hasher, read_limited, write_atomic};
 use crate::raster::Image;
-use crate::segment::{grey_from_labels, labels_from_grey};
+use crate::segment::{Provenance, grey_from_labels, labels_from_grey};
 use std::path::{Path, PathBuf};
 
 /// Part of every key: raise it whenever preparation gives other results than before.
-const PREPARATION: &[u8] = b"exemplar 4";
+const PREPARATION: &[u8] = b"exemplar 5";
 
 /// Largest file that is read back: a picture of 8,192² barely compressed.
 const LARGEST_BYTES: u64 = 1 << 29;
@@ -40,13 +40,18 @@ impl Cache {
         Self(folder.to_owned())
     }
 
-    /// The vectors of `key`, if they are there and whole.
-    pub(super) fn shape(&self, key: Digest) -> Option<Shape> {
+    /// The vectors of `key` and who labelled its picture, if they are there and whole.
+    pub(super) fn shape(&self, key: Digest) -> Option<(Shape, Provenance)> {
         postcard::from_bytes(&self.content(key, "shape")?).ok()
     }
 
     /// The whole exemplar `key` whose vectors are `shape`, if it is there and whole.
-    pub(super) fn exemplar(&self, key: Digest, shape: &Shape) -> Option<Exemplar> {
+    pub(super) fn exemplar(
+        &self,
+        key: Digest,
+        shape: &Shape,
+        provenance: &Provenance,
+    ) -> Option<Exemplar> {
         let count = shape.size as usize * shape.size as usize;
         let bytes = lz4_flex::decompress(&self.content(key, "pixels")?, 5 * count).ok()?;
         let (image, labels) = bytes.split_at_checked(4 * count)?;
@@ -59,6 +64,7 @@ impl Cache {
             shape: shape.clone(),
             image: Image::from_pixels(shape.size, shape.size, image),
             labels: labels_from_grey(&labels),
+            provenance: provenance.clone(),
         })
     }
 
@@ -70,8 +76,8 @@ impl Cache {
         let mut pixels = bytemuck::cast_slice(exemplar.image.pixels()).to_vec();
         pixels.extend(grey_from_labels(&exemplar.labels).pixels());
         self.write(key, "pixels", &lz4_flex::compress(&pixels))?;
-        let shape = postcard::to_stdvec(&exemplar.shape)
-            .unwrap_or_else(|_| unreachable!("a shape is numbers only"));
+        let shape = postcard::to_stdvec(&(&exemplar.shape, &exemplar.provenance))
+            .unwrap_or_else(|_| unreachable!("a shape is numbers and text only"));
         self.write(key, "shape", &shape)
     }
 

@@ -10,7 +10,9 @@ use crate::geometry::Point;
 use crate::raster::{
     Image, Mask, Premultiplied, Rect, Straight, dilated, labelled_components, resized,
 };
-use crate::segment::{Label, Labels, SegmentError, Segmenter, crown_baseline};
+use crate::segment::{
+    Label, Labels, Provenance, SegmentError, Segmented, Segmenter, crown_baseline,
+};
 use serde::{Deserialize, Serialize};
 
 /// How exemplars are prepared. All exemplars of a library share one.
@@ -117,6 +119,8 @@ pub struct Exemplar {
     pub image: Image<Premultiplied>,
     /// Crown and trunk of the normalised picture.
     pub labels: Labels,
+    /// Who told them apart.
+    pub provenance: Provenance,
 }
 
 impl Exemplar {
@@ -137,7 +141,8 @@ impl Exemplar {
         check_usable(picture, &normalized)?;
         drop(stage);
         let stage = progress.stage("segment", 1);
-        let labels = segmenter.segment(&normalized.image.straight(), cancel)?;
+        let Segmented { labels, provenance } =
+            segmenter.segmented(&normalized.image.straight(), cancel)?;
         drop(stage);
         let outlined = Outlined::new(&normalized, progress);
         let shape = outlined.shape(&labels, settings, progress);
@@ -145,6 +150,7 @@ impl Exemplar {
             shape,
             image: normalized.image,
             labels,
+            provenance,
         })
     }
 }
@@ -186,6 +192,7 @@ impl Exemplar {
             shape: self.shape.resized(size),
             image: resized(&self.image, whole, size, size),
             labels: Image::from_pixels(size, size, labels.collect()),
+            provenance: self.provenance.clone(),
         }
     }
 }

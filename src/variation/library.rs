@@ -4,7 +4,7 @@ use super::cache::{self, Cache};
 use super::{Exemplar, ExemplarError, ExemplarSettings, Shape};
 use crate::base::{Cancel, Cancelled, Digest, FileError, Progress, read_limited};
 use crate::raster::{ImageError, ReadLimits, read_image_from_memory};
-use crate::segment::{SegmentError, Segmenter};
+use crate::segment::{Provenance, SegmentError, Segmenter};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -70,6 +70,8 @@ pub struct Entry {
     pub digest: Digest,
     /// The exemplar's vectors.
     pub shape: Arc<Shape>,
+    /// Who labelled its picture.
+    pub provenance: Provenance,
     key: Digest,
     /// See [`LibraryPicture::bytes`].
     bytes: Option<Arc<[u8]>>,
@@ -87,7 +89,9 @@ impl Entry {
 pub struct Library<'a> {
     entries: Vec<Entry>,
     settings: ExemplarSettings,
-    segmenter: &'a (dyn Segmenter + Sync),
+    segmenter: &'a dyn Segmenter,
+    /// See [`Segmenter::key`].
+    segmenter_key: String,
     cache: Option<Cache>,
     /// Index and pixels of the exemplars used last, the latest at the end.
     used: Mutex<Vec<(usize, Arc<Exemplar>)>>,
@@ -104,7 +108,7 @@ impl<'a> Library<'a> {
     pub fn open(
         files: &[PathBuf],
         settings: ExemplarSettings,
-        segmenter: &'a (dyn Segmenter + Sync),
+        segmenter: &'a dyn Segmenter,
         cache: Option<&Path>,
         progress: Progress<'_>,
         cancel: &Cancel,
@@ -130,7 +134,7 @@ impl<'a> Library<'a> {
     pub fn of(
         pictures: &[LibraryPicture],
         settings: ExemplarSettings,
-        segmenter: &'a (dyn Segmenter + Sync),
+        segmenter: &'a dyn Segmenter,
         cache: Option<&Path>,
         known: Option<&Library<'_>>,
         progress: Progress<'_>,
@@ -140,6 +144,7 @@ impl<'a> Library<'a> {
             entries: Vec::new(),
             settings,
             segmenter,
+            segmenter_key: segmenter.key(),
             cache: cache.map(Cache::new),
             used: Mutex::new(Vec::new()),
         };
@@ -180,6 +185,11 @@ impl<'a> Library<'a> {
         &self.entries
     }
 
+    /// What told crown from trunk in their pictures.
+    pub fn segmenter(&self) -> &'a dyn Segmenter {
+        self.segmenter
+    }
+
     /// How the exemplars were prepared.
     pub fn settings(&self) -> &ExemplarSettings {
         &self.settings
@@ -197,7 +207,7 @@ impl<'a> Library<'a> {
         let cached = self
             .cache
             .as_ref()
-            .and_then(|c| c.exemplar(entry.key, &entry.shape));
+            .and_then(|c| c.exemplar(entry.key, &entry.shape, &entry.provenance));
         let exemplar = match cached {
             Some(exemplar) => exemplar,
             None => {
@@ -245,38 +255,38 @@ impl<'a> Library<'a> {
             None => read_limited(path, ReadLimits::default().file_bytes)?.into(),
         };
         let digest = Digest::of(&bytes);
-        let key = cache::key(digest, &self.settings, self.segmenter.name());
-        let entry = |shape| Entry {
+        let key = cache::key(digest, &self.settings, &self.segmenter_key);
+        let entry = |shape, provenance| Entry {
             path: path.clone(),
             digest,
             shape,
+            provenance,
             key,
             bytes: picture.bytes.clone(),
         };
-        if let Some((shape, pixels)) = known.and_then(|known| known.prepared_before(key)) {
-            return Ok((entry(shape), pixels));
+        if let Some((known, pixels)) = known.and_then(|known| known.prepared_before(key)) {
+            let known = entry(Arc::clone(&known.shape), known.provenance.clone());
+            return Ok((known, pixels));
         }
-        if let Some(shape) = self.cache.as_ref().and_then(|cache| cache.shape(key)) {
-            return Ok((entry(Arc::new(shape)), None));
+        if let Some((shape, provenance)) = self.cache.as_ref().and_then(|cache| cache.shape(key)) {
+            return Ok((entry(Arc::new(shape), provenance), None));
         }
         let exemplar = self.prepared_from(path, &bytes, cancel)?;
         let shape = Arc::new(exemplar.shape.clone());
+        let entry = entry(shape, exemplar.provenance.clone());
         let Some(cache) = &self.cache else {
-            return Ok((entry(shape), Some(Arc::new(exemplar))));
+            return Ok((entry, Some(Arc::new(exemplar))));
         };
         if let Err(error) = cache.keep(key, &exemplar) {
             progress.warn(&error.to_string());
         }
-        Ok((entry(shape), None))
+        Ok((entry, None))
     }
 
     /// What this library has of the exemplar `key`.
-    fn prepared_before(&self, key: Digest) -> Option<(Arc<Shape>, Option<Arc<Exemplar>>)> {
+    fn prepared_before(&self, key: Digest) -> Option<(&Entry, Option<Arc<Exemplar>>)> {
         let index = self.entries.iter().position(|entry| entry.key == key)?;
-        Some((
-            Arc::clone(&self.entries[index].shape),
-            self.recently_used(index),
-        ))
+        Some((&self.entries[index], self.recently_used(index)))
     }
 
     fn prepared(&self, entry: &Entry, cancel: &Cancel) -> Result<(Digest, Exemplar), LibraryError> {

@@ -39,6 +39,11 @@ impl<'a> TreeMaker<'a> {
         }
     }
 
+    /// The exemplars that trees are made of.
+    pub fn library(&self) -> &'a Library<'a> {
+        self.library
+    }
+
     /// Makes the tree `chosen`. Where colours of several exemplars are mixed, their contrast is
     /// given back by matching the blend of their palettes.
     ///

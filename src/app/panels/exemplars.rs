@@ -11,6 +11,7 @@ use super::textures::Textures;
 use crate::base::{Digest, Hasher};
 use crate::document::{Photo, PhotoId};
 use crate::raster::{Image, Straight};
+use crate::segment::{Provenance, Source};
 use crate::variation::Shape;
 use egui::{Align2, Color32, FontId, Rect, Sense, Ui, pos2, vec2};
 
@@ -101,7 +102,7 @@ impl Exemplars {
             if can {
                 tick(ui, rect, is_on);
             }
-            caption(ui, photo, rect, badge(prepared, id));
+            caption(ui, photo, rect, &badge(prepared, id));
         }
         let told = told(studio, id, photo, refused);
         response.on_hover_text(told);
@@ -164,15 +165,28 @@ fn tick(ui: &Ui, rect: Rect, is_on: bool) {
 }
 
 /// What was found in the picture, in two words.
-fn badge(prepared: Option<&Prepared>, id: PhotoId) -> &'static str {
+fn badge(prepared: Option<&Prepared>, id: PhotoId) -> String {
     let Some(prepared) = prepared else {
-        return "preparing";
+        return "preparing".to_owned();
     };
     match prepared.entry(id) {
-        Some((entry, _)) if entry.shape.contour.pins.has_trunk() => "classical, trunk",
-        Some(_) => "classical, no trunk",
-        None if prepared.refused.contains_key(&id) => "not cut out",
-        None => "preparing",
+        Some((entry, _)) => {
+            let trunk = match entry.shape.contour.pins.has_trunk() {
+                true => "trunk",
+                false => "no trunk",
+            };
+            let Provenance {
+                source, confidence, ..
+            } = entry.provenance;
+            match (source, confidence) {
+                (Source::Learned, Some(confidence)) => {
+                    format!("{source} {:.0} %, {trunk}", 100.0 * confidence)
+                }
+                _ => format!("{source}, {trunk}"),
+            }
+        }
+        None if prepared.refused.contains_key(&id) => "not cut out".to_owned(),
+        None => "preparing".to_owned(),
     }
 }
 
@@ -207,11 +221,26 @@ fn told(studio: &Studio, id: PhotoId, photo: &Photo, refused: Option<&String>) -
                 Some(_) => "a trunk was found",
                 None => "no trunk shows",
             };
+            let labelled = labelled(&entry.provenance);
             format!(
-                "{}\nCrown and trunk were told apart by the classical segmenter: {trunk}.\nThe crown is {:.0} % dense. Dots are the pins: foot and tops of the trunk.\nClick to take it in or leave it out; drag it to a colour well.",
+                "{}\nCrown and trunk were told apart by {labelled}: {trunk}.\nThe crown is {:.0} % dense. Dots are the pins: foot and tops of the trunk.\nClick to take it in or leave it out; drag it to a colour well.",
                 photo.name,
                 100.0 * shape.density,
             )
         }
+    }
+}
+
+/// Who told crown and trunk apart, in a sentence's words.
+fn labelled(provenance: &Provenance) -> String {
+    let reason = provenance.reason.as_ref();
+    match (provenance.source, provenance.confidence) {
+        (Source::Learned, Some(confidence)) => {
+            format!("the learned segmenter ({:.0} % sure)", 100.0 * confidence)
+        }
+        (source, _) => match reason {
+            Some(reason) => format!("the {source} segmenter ({reason})"),
+            None => format!("the {source} segmenter"),
+        },
     }
 }

@@ -4,27 +4,38 @@ mod crown;
 mod live;
 mod render;
 mod row;
+mod segment;
 mod synth;
 mod variation;
 
 use super::failure::Failure;
+use super::segmenter::SegmenterFlags;
 use super::session::Session;
 use super::{Job, Stages};
 use clap::{Args, ValueEnum};
 use row::Row;
 use serde_json::{Value, json};
 use std::io::Write as _;
+use std::path::PathBuf;
 
 /// Measure how fast this machine makes trees
 ///
 /// Times the main pieces of work on the built-in samples, each several times, and prints them
-/// beside their targets and what others need.
+/// beside their targets and what others need. `boscage bench segment --labels DIR` tells how well
+/// crown and trunk are told apart in pictures that a person has labelled.
 #[derive(Debug, Args)]
-#[command(after_help = "Example: boscage bench crown --json")]
+#[command(after_help = "Examples:
+  boscage bench crown --json
+  boscage bench segment --labels trees")]
 pub(super) struct Flags {
     /// What to measure [default: everything]
     #[arg(value_enum, value_name = "TOPIC")]
     topic: Option<Topic>,
+    /// Folder of pictures and labels, NAME.png or NAME.jpg beside NAME.labels.png
+    #[arg(long, value_name = "DIR")]
+    labels: Option<PathBuf>,
+    #[command(flatten)]
+    segmenter: SegmenterFlags,
 }
 
 /// A group of measurements.
@@ -38,10 +49,18 @@ enum Topic {
     Synth,
     /// Crowns on a graphics card
     Render,
+    /// Crown and trunk
+    Segment,
 }
 
 impl Topic {
-    const ALL: [Self; 4] = [Self::Variation, Self::Crown, Self::Synth, Self::Render];
+    const ALL: [Self; 5] = [
+        Self::Variation,
+        Self::Crown,
+        Self::Synth,
+        Self::Render,
+        Self::Segment,
+    ];
 
     fn rows(self, session: &Session<'_>) -> Result<Vec<Row>, Failure> {
         let cancel = session.cancel;
@@ -54,6 +73,7 @@ impl Topic {
             }
             Self::Synth => synth::rows(cancel),
             Self::Render => render::rows(session),
+            Self::Segment => segment::rows(cancel),
         }
     }
 }
@@ -64,6 +84,14 @@ impl Job for Flags {
     }
 
     fn run(&self, session: &Session<'_>) -> Result<(), Failure> {
+        if let Some(folder) = &self.labels {
+            if self.topic.is_some_and(|topic| topic != Topic::Segment) {
+                return Err(Failure::of("--labels", "is for the topic segment"));
+            }
+            let own = self.segmenter.checked(session.cancel)?;
+            let own = self.segmenter.is_chosen().then_some(own.as_ref());
+            return segment::table(folder, own, session);
+        }
         let topics = match self.topic {
             Some(topic) => vec![topic],
             None => Topic::ALL.to_vec(),

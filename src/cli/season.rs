@@ -6,13 +6,13 @@ use super::items;
 use super::library::picture_files;
 use super::output::recipe;
 use super::season_flags::SeasonFlags;
-use super::segment::SegmenterFlags;
+use super::segmenter::{SegmenterFlags, failed};
 use super::session::Session;
 use super::{Job, Stages};
 use crate::base::Seed;
 use crate::batch::season::SeasonJob;
 use crate::raster::{Compression, encode_png};
-use crate::segment::{SegmentError, Segmenter};
+use crate::segment::Segmenter;
 use crate::variation::{Histogram, Palette, Tree};
 use clap::Args;
 use serde_json::json;
@@ -46,7 +46,8 @@ impl Job for Flags {
 
     fn run(&self, session: &Session<'_>) -> Result<(), Failure> {
         let out = session.options.out()?;
-        let segmenter = self.segmenter.checked()?;
+        let segmenter = self.segmenter.checked(session.cancel)?;
+        let segmenter = segmenter.as_ref();
         let reason = "say which with --season, or how much snow with --snow";
         let job = self.season.checked()?;
         let job = job.ok_or_else(|| Failure::of("--season", reason))?;
@@ -62,7 +63,7 @@ impl Job for Flags {
             None => None,
             Some(path) => {
                 let file = PictureFile::read(path)?;
-                let tree = segmented(&file, &segmenter, session)?;
+                let tree = segmented(&file, segmenter, session)?;
                 Some((file.digest(), Palette::of(&tree.image, &tree.labels)))
             }
         };
@@ -77,13 +78,13 @@ impl Job for Flags {
                 .with(picture.digest().bytes())
                 .with(file.file_name().unwrap_or_default().as_encoded_bytes())
                 .with(format!("{job:?}").as_bytes())
-                .with(segmenter.name().as_bytes())
+                .with(segmenter.key().as_bytes())
                 .with(like)
                 .with(&session.seed.to_le_bytes())
                 .finish();
             let path = target(file);
             if !session.output.is_ready(&path, recipe) {
-                let png = self.made(&picture, job, leaves, &segmenter, session)?;
+                let png = self.made(&picture, job, leaves, segmenter, session)?;
                 session.output.write_item(&path, png, recipe)?;
             }
             Ok(path.display().to_string())
@@ -120,7 +121,7 @@ impl Flags {
         picture: &PictureFile,
         job: SeasonJob,
         like: Option<&Histogram>,
-        segmenter: &(dyn Segmenter + Sync),
+        segmenter: &dyn Segmenter,
         session: &Session<'_>,
     ) -> Result<Vec<u8>, Failure> {
         let mut tree = segmented(picture, segmenter, session)?;
@@ -141,14 +142,11 @@ impl Flags {
 /// The tree in `picture`, at its own size.
 fn segmented(
     picture: &PictureFile,
-    segmenter: &(dyn Segmenter + Sync),
+    segmenter: &dyn Segmenter,
     session: &Session<'_>,
 ) -> Result<Tree, Failure> {
     let image = picture.decoded()?;
     let labels = segmenter.segment(&image, session.cancel);
-    let labels = labels.map_err(|error| match error {
-        SegmentError::Cancelled(cancelled) => cancelled.into(),
-        error => Failure::of(picture.path().display(), error),
-    })?;
+    let labels = labels.map_err(|error| failed(picture.path(), error))?;
     Ok(Tree { image, labels })
 }

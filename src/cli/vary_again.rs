@@ -6,6 +6,7 @@ use super::records::{LibraryRecord, TreeRecord};
 use super::session::Session;
 use super::vary::Flags;
 use crate::batch::vary::{Like, Outputs, make_tree};
+use crate::segment::Segmenter;
 use crate::variation::{Chosen, Library, Part, Shape, TreeMaker};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -80,7 +81,7 @@ fn like_again(
     flags: &Flags,
     tree: &TreeRecord,
     record: &LibraryRecord,
-    segmenter: &Classical,
+    segmenter: &dyn Segmenter,
     session: &Session<'_>,
 ) -> Result<Option<Like>, Failure> {
     let of = |path: &Path| {

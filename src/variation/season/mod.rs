@@ -105,14 +105,16 @@ pub fn put_in_season(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::branches::samples;
+    use crate::branches::Individual;
+    use crate::branches::species::species_named;
     use crate::raster::{Image, Straight};
     use crate::segment::labels_from_grey;
 
-    /// A tree of the built-in library with its true labels.
+    /// A grown tree with its true labels.
     fn sample(name: &str) -> Tree {
-        let sample = samples().iter().find(|sample| sample.name() == name);
-        let grown = sample.unwrap().grow(256, &Cancel::new()).unwrap();
+        let individual = Individual::new(species_named(name).unwrap(), 1);
+        let tree = individual.grow(&Cancel::new()).unwrap();
+        let grown = tree.picture((256, 256), false, &Cancel::new()).unwrap();
         Tree {
             labels: labels_from_grey(&grown.labels),
             image: grown.image,

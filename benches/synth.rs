@@ -2,11 +2,10 @@
 //! of 256 pixels (Argudo 2014: 40 to 45 minutes).
 
 use boscage::base::{Cancel, Progress, Seed};
-use boscage::branches::samples;
-use boscage::raster::{Image, Mask, ReadLimits, Straight, read_image_from_memory};
+use boscage::branches::samples::sample_named;
+use boscage::raster::{Image, Mask, Straight};
 use boscage::synth::{Exemplar, ExemplarSettings, SynthesisSettings, texture};
 use divan::{Bencher, black_box};
-use std::path::Path;
 
 fn main() {
     divan::main();
@@ -17,10 +16,8 @@ const SIZES: [(u32, u32); 3] = [(1056, 320), (256, 256), (256, 256)];
 
 /// The upper half of a built-in sample, which is all crown.
 fn crown(name: &str) -> (Image<Straight>, Mask) {
-    let sample = samples().iter().find(|sample| sample.name() == name);
-    let bytes = sample.expect("a built-in sample").bundled();
-    let picture = read_image_from_memory(bytes, Path::new(name), ReadLimits::default());
-    let picture = picture.expect("a picture");
+    let sample = sample_named(name).expect("a built-in sample");
+    let picture = sample.trimmed().expect("a picture");
     let picture = picture.cropped(0, 0, picture.width(), picture.height() / 2);
     let mask = picture.map(|pixel| pixel.alpha() > 127);
     (picture, mask)
@@ -30,13 +27,13 @@ fn prepared((picture, mask): &(Image<Straight>, Mask)) -> Exemplar {
     Exemplar::new(picture, mask, &ExemplarSettings::default(), &Cancel::new()).expect("a crown")
 }
 
-#[divan::bench(args = ["oak", "spruce"])]
+#[divan::bench(args = ["oak_02", "spruce_01"])]
 fn exemplar(bencher: Bencher<'_, '_>, name: &str) {
     let crown = crown(name);
     bencher.bench_local(|| prepared(black_box(&crown)));
 }
 
-#[divan::bench(args = ["oak", "spruce"])]
+#[divan::bench(args = ["oak_02", "spruce_01"])]
 fn textures_of_a_cubemap(bencher: Bencher<'_, '_>, name: &str) {
     let exemplar = prepared(&crown(name));
     let settings = SynthesisSettings::default();

@@ -2,12 +2,11 @@
 //! divan's statistics.
 
 use boscage::base::{Cancel, Progress};
-use boscage::branches::samples;
-use boscage::raster::{Compression, ReadLimits, Straight, encode_png, read_image_from_memory};
+use boscage::branches::samples::sample_named;
+use boscage::raster::{Compression, Straight, encode_png};
 use boscage::segment::Classical;
 use boscage::variation::{Exemplar, ExemplarSettings, Layout, Source, WarpPrecision, synthesized};
 use divan::{Bencher, black_box};
-use std::path::Path;
 
 fn main() {
     divan::main();
@@ -17,9 +16,8 @@ type Picture = boscage::raster::Image<Straight>;
 
 /// The picture of one of the built-in samples.
 fn picture(name: &str) -> Picture {
-    let sample = samples().iter().find(|sample| sample.name() == name);
-    let bytes = sample.expect("a built-in sample").bundled();
-    read_image_from_memory(bytes, Path::new(name), ReadLimits::default()).expect("a picture")
+    let sample = sample_named(name).expect("a built-in sample");
+    sample.trimmed().expect("a picture")
 }
 
 fn prepared(picture: &Picture, size: u32) -> Exemplar {
@@ -33,7 +31,7 @@ fn prepared(picture: &Picture, size: u32) -> Exemplar {
 }
 
 fn pair(size: u32) -> [Exemplar; 2] {
-    ["oak", "linden"].map(|name| prepared(&picture(name), size))
+    ["oak_02", "maple_01"].map(|name| prepared(&picture(name), size))
 }
 
 fn layout(pair: &[Exemplar; 2]) -> Layout {

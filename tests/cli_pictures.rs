@@ -73,10 +73,17 @@ fn folder() -> (TempDir, PathBuf, PathBuf) {
     (folder, picture, label_file)
 }
 
-/// The bundled samples in a folder of their own.
+/// The first bundled sample of each species in a folder of their own.
 fn library() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
-    answer(&["samples", "--bundled", "--out", text(folder.path())]);
+    let third = ["--shard", "0/3"];
+    answer(
+        &[
+            &["samples", "--bundled", "--out", text(folder.path())][..],
+            &third,
+        ]
+        .concat(),
+    );
     folder
 }
 
@@ -205,8 +212,8 @@ fn inspect_looks_at_odd_pictures_and_refuses_empty_ones() {
 fn a_morph_begins_and_ends_with_its_exemplars() {
     let library = library();
     let (from, to) = (
-        library.path().join("oak.png"),
-        library.path().join("spruce.png"),
+        library.path().join("oak_01.png"),
+        library.path().join("spruce_01.png"),
     );
     let out = library.path().join("frames");
     let sheet = library.path().join("sheet.png");
@@ -253,8 +260,8 @@ fn a_morph_begins_and_ends_with_its_exemplars() {
 fn frames_are_the_same_for_any_threads_and_shards_and_may_be_resumed() {
     let library = library();
     let (from, to) = (
-        library.path().join("pine.png"),
-        library.path().join("birch.png"),
+        library.path().join("pine_01.png"),
+        library.path().join("birch_01.png"),
     );
     let frames = |name: &str, given: &[&str]| {
         let out = library.path().join(name);
@@ -332,7 +339,9 @@ fn samples_are_written_bundled_or_grown() {
         .unwrap()
         .map(|e| e.unwrap().path())
         .collect();
-    assert!(names.len() >= 10 && names.iter().all(|name| read(name).height() == 1024));
+    assert_eq!(names.len(), 12);
+    let sizes = [&names[0], &names[11]].map(|name| read(name).height());
+    assert_eq!(sizes, [1536; 2]);
     let folder = tempfile::tempdir().unwrap();
     let few = [
         "--species",

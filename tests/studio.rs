@@ -26,7 +26,10 @@ fn the_start_screen_opens_the_sample() {
     let document = window.state().studio().document();
     assert_eq!(document.complaint(), None);
     let content = document.state().content();
-    assert_eq!(content.photos.len(), boscage::branches::samples().len());
+    assert_eq!(
+        content.photos.len(),
+        boscage::branches::samples::starters().count()
+    );
     assert!(!document.is_dirty());
     assert_eq!(document.history_steps(), (0, 0));
     let oak = document.state().mask(PhotoId(0)).unwrap();

@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 type Window = Harness<'static, Shell>;
 
 /// Samples that are used: three that match, so that few draws are needed.
-const SAMPLES: [&str; 3] = ["linden", "maple_autumn", "oak"];
+const SAMPLES: [&str; 3] = ["apple_02", "maple_01", "oak_02"];
 
 /// Draws frames until `is_so`, for jobs take their time.
 fn wait(window: &mut Window, is_so: impl Fn(&Studio) -> bool) {

@@ -14,8 +14,8 @@
 mod reference;
 
 use boscage::base::{Cancel, Progress, Random, Reporter, Seed, Update, with_threads};
-use boscage::branches::samples;
-use boscage::raster::{Image, Mask, ReadLimits, Straight, read_image_from_memory};
+use boscage::branches::samples::sample_named;
+use boscage::raster::{Image, Mask, Straight};
 use boscage::synth::{
     Exemplar, ExemplarSettings, SynthesisError, SynthesisSettings, Texture, patch_distance,
     repeated_share, texture, texture_around,
@@ -27,9 +27,7 @@ type Picture = Image<Straight>;
 
 /// A part of a built-in sample's crown, and its mask.
 fn sample(name: &str) -> (Picture, Mask) {
-    let sample = samples().iter().find(|sample| sample.name() == name);
-    let bytes = sample.unwrap().bundled();
-    let whole = read_image_from_memory(bytes, Path::new(name), ReadLimits::default()).unwrap();
+    let whole = sample_named(name).unwrap().trimmed().unwrap();
     let picture = whole.cropped(whole.width() / 2 - 160, whole.height() / 4, 320, 256);
     let mask = picture.map(|pixel| pixel.alpha() > 127);
     (picture, mask)
@@ -67,7 +65,7 @@ fn every_pixel_is_one_of_the_foliage() {
         flatten: 0.0,
         ..ExemplarSettings::default()
     };
-    let (picture, mask) = sample("oak");
+    let (picture, mask) = sample("oak_02");
     let exemplar = Exemplar::new(&picture, &mask, &settings, &Cancel::new()).unwrap();
     let texture = made(&exemplar, &Image::filled(150, 90, None), 1);
     assert_eq!((texture.image.width(), texture.image.height()), (150, 90));
@@ -83,7 +81,7 @@ fn every_pixel_is_one_of_the_foliage() {
 fn threads_change_nothing_and_seeds_change_everything() {
     let make = |threads, seed| {
         with_threads(Some(threads), || {
-            made(&exemplar("linden"), &Image::filled(133, 101, None), seed).image
+            made(&exemplar("maple_01"), &Image::filled(133, 101, None), seed).image
         })
         .unwrap()
     };
@@ -94,7 +92,7 @@ fn threads_change_nothing_and_seeds_change_everything() {
 
 #[test]
 fn what_is_given_stays_and_the_rest_continues_it() {
-    let (picture, mask) = sample("oak");
+    let (picture, mask) = sample("oak_02");
     let settings = ExemplarSettings {
         flatten: 0.0,
         ..ExemplarSettings::default()
@@ -135,7 +133,7 @@ fn what_is_given_stays_and_the_rest_continues_it() {
 
 #[test]
 fn the_preview_comes_once_before_seams_are_corrected_and_looks_like_the_texture() {
-    let exemplar = exemplar("oak");
+    let exemplar = exemplar("oak_02");
     let known = Image::filled(200, 120, None);
     let refined = std::sync::atomic::AtomicBool::new(false);
     let noted = Noted(&refined);
@@ -188,7 +186,7 @@ impl Reporter for Noted<'_> {
 
 #[test]
 fn a_tiling_texture_continues_across_its_edge() {
-    let exemplar = exemplar("oak");
+    let exemplar = exemplar("oak_02");
     let settings = SynthesisSettings {
         tiles_x: true,
         ..SynthesisSettings::default()
@@ -252,7 +250,7 @@ impl Reporter for StopAt<'_> {
 
 #[test]
 fn a_cancelled_texture_is_none() {
-    let exemplar = exemplar("oak");
+    let exemplar = exemplar("oak_02");
     for stage in ["patches", "refine"] {
         let cancel = Cancel::new();
         let reporter = StopAt(stage, &cancel);

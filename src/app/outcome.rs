@@ -449,7 +449,8 @@ impl Studio {
 
 /// The trees that come with the studio, each with its crown and trunk labelled.
 fn sample(context: &Context<Outcome>) -> Result<Document, JobError> {
-    let trees: Result<Vec<_>, JobError> = crate::branches::samples()
+    let starters: Vec<_> = crate::branches::samples::starters().collect();
+    let trees: Result<Vec<_>, JobError> = starters
         .par_iter()
         .map(|sample| {
             context.cancel().check()?;

@@ -103,6 +103,8 @@ impl Canvas {
     }
 
     /// The picture: colours are means over the covered samples, alpha is their share.
+    ///
+    /// Colours keep six bits: among leaves nobody sees the step, and files lose a third.
     pub fn image(&self) -> Image<Straight> {
         self.reduced(|canvas, samples| {
             let mut sum = [0u32; 3];
@@ -118,7 +120,7 @@ impl Canvas {
             if covered == 0 {
                 return Straight([0; 4]);
             }
-            let [r, g, b] = thrifty(sum.map(|sum| (sum + covered / 2) / covered));
+            let [r, g, b] = sum.map(|sum| six_bits((sum + covered / 2) / covered));
             let all = ALL as u32;
             Straight([r, g, b, ((covered * 255 + all / 2) / all) as u8])
         })
@@ -201,15 +203,9 @@ impl Canvas {
     }
 }
 
-/// A colour near to this one that files keep in fewer bytes: green in steps of 4, the others at
-/// distances from it in steps of 8. Among leaves nobody sees it, and files lose nearly a half.
-fn thrifty([r, g, b]: [u32; 3]) -> [u8; 3] {
-    let green = (g as i32 + 2) & !3;
-    let beside = |c: u32| {
-        let apart = (c as i32 - green + 4).div_euclid(8) * 8;
-        (green + apart).clamp(0, 255) as u8
-    };
-    [beside(r), green.clamp(0, 255) as u8, beside(b)]
+/// The nearest multiple of 4, at most 252.
+fn six_bits(channel: u32) -> u8 {
+    ((channel + 2) & !3).min(252) as u8
 }
 
 #[cfg(test)]
@@ -239,17 +235,5 @@ mod tests {
         let depth = canvas.depth();
         let z = depth.offset_m + f32::from(depth.steps.at(0, 0)) * depth.step_m;
         assert!((z - 1.0).abs() < 1e-3, "{z}");
-    }
-
-    #[test]
-    fn thrifty_colours_are_near_and_stay_themselves() {
-        for r in (0..256).step_by(5) {
-            for g in (0..256).step_by(3) {
-                let thrift = thrifty([r, g, 77]);
-                let apart = |a: u8, b: u32| (i32::from(a) - b as i32).abs();
-                assert!(apart(thrift[0], r) <= 6 && apart(thrift[1], g) <= 3);
-                assert_eq!(thrifty(thrift.map(u32::from)), thrift);
-            }
-        }
     }
 }

@@ -72,7 +72,7 @@ pub fn crown_skeleton(
         kill_m: 0.95 * crown.spacing_m,
         influence_m: 0.6 * height_m,
         tropism: Vec3::Y * crown.rise,
-        bare_m: 0.9 * crown.base.min(crown.leader) * height_m,
+        bare_m: (1.1 * crown.base).min(0.94 * reach_of(crown)) * height_m,
         crook: crown.crook,
     };
     colonise(&mut skeleton, &attractors, &reach, random, cancel)?;
@@ -146,6 +146,11 @@ impl<'a> Envelope<'a> {
     }
 }
 
+/// Share of the height that the stem reaches by itself: into the crown at least.
+fn reach_of(crown: &Crown) -> f32 {
+    crown.leader.max(1.12 * crown.base)
+}
+
 /// The stems from the ground to where the crown takes over.
 fn stems(skeleton: &mut Skeleton, crown: &Crown, height_m: f32, random: &mut Random) {
     let root = skeleton.grow(Vec3::ZERO, None);
@@ -163,7 +168,7 @@ fn stems(skeleton: &mut Skeleton, crown: &Crown, height_m: f32, random: &mut Ran
         let mut direction = (Vec3::Y + lean).normalize();
         let mut position = Vec3::ZERO;
         // Stems of a shrub are of unequal length; a single one is as long as it should be.
-        let reach_m = crown.leader * height_m * (1.0 - 0.25 * (stem as f32 * 0.37).fract());
+        let reach_m = reach_of(crown) * height_m * (1.0 - 0.25 * (stem as f32 * 0.37).fract());
         let mut last = root;
         while position.y < reach_m {
             let sway = |axis: f32| noise3(0.35 * position.y, axis, 0.0, salt) * 0.5 * crown.crook;

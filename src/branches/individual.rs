@@ -11,7 +11,8 @@ use super::species::{Habit, Season, Species};
 use crate::base::Seed;
 use glam::Vec2;
 
-/// How single trees differ, each in 0..1: low to high in the species' [`Spread`](super::species::Spread).
+/// How single trees differ, each in 0..1: low to high in the species'
+/// [`Spread`](super::species::Spread).
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Traits {
     /// Young and small to old and tall.

@@ -1,8 +1,8 @@
 //! How much of sun and sky reaches a place in the crown.
 //!
 //! Leaf area is counted in voxels; light falls off along a ray by Beer and Lambert's law. For every
-//! voxel one ray goes to the sun and a few to the sky; places between voxels interpolate. This makes the bright tops, the dark
-//! undersides and the depth of a crown; single leaves add their
+//! voxel one ray goes to the sun and a few to the sky; places between voxels interpolate. This makes
+//! the bright tops, the dark undersides and the depth of a crown; single leaves add their
 //! own tilt in `paint`, and their shadows in [`super::shadow`].
 
 use crate::base::{Cancel, Cancelled};
@@ -33,9 +33,9 @@ impl Daylight {
                 libm::sinf(elevation),
                 libm::cosf(azimuth) * flat,
             ),
-            sun: Vec3::new(2.86, 2.56, 2.02) * (1.0 - 0.62 * softness),
-            sky: Vec3::new(0.60, 0.72, 0.90) * (1.0 + 0.85 * softness),
-            stray: Vec3::new(0.036, 0.042, 0.028) * (1.0 + 0.5 * softness),
+            sun: Vec3::new(3.02, 2.66, 2.04) * (1.0 - 0.62 * softness),
+            sky: Vec3::new(0.52, 0.64, 0.80) * (1.0 + 0.95 * softness),
+            stray: Vec3::new(0.030, 0.037, 0.022) * (1.0 + 0.5 * softness),
         }
     }
 }

@@ -22,6 +22,7 @@ pub mod limbs;
 mod noise;
 pub mod ornament;
 pub mod palm;
+pub mod photo;
 pub mod render;
 pub mod samples;
 pub mod shadow;

@@ -127,7 +127,7 @@ impl GrownPalm {
         let side = Vec3::new(-outward.z, 0.0, outward.x);
         let is_dry = frond.age > 1.0 - habit.dry;
         // From upright to hanging.
-        let rise = if is_dry { -1.5 } else { 1.9 - 2.5 * frond.age };
+        let rise = if is_dry { -1.5 } else { 2.3 - 2.9 * frond.age };
         let mut direction =
             (outward + Vec3::Y * rise + random_in_ball(random) * 0.12).normalize_or(Vec3::Y);
         let long = (0.62 + 0.38 * (frond.age * 3.0).min(1.0)) * random.between(0.88, 1.1) as f32;
@@ -140,9 +140,8 @@ impl GrownPalm {
         let bow = random.between(-0.25, 0.25) as f32;
         for step in 1..=steps {
             let u = step as f32 / steps as f32;
-            let pull = habit.bend * (0.35 + 0.9 * u) / steps as f32;
-            direction = (direction - Vec3::Y * pull * (1.0 + 0.4 * frond.age)
-                + side * (bow / steps as f32))
+            let pull = habit.bend * (0.35 + 0.9 * u) * (0.45 + 0.65 * frond.age) / steps as f32;
+            direction = (direction - Vec3::Y * pull + side * (bow / steps as f32))
                 .normalize_or(Vec3::NEG_Y);
             position += direction * (length_m / steps as f32);
             position.y = position.y.max(0.05);

@@ -18,7 +18,7 @@ use crate::base::{Cancel, Cancelled};
 use glam::{Vec2, Vec3};
 
 /// Share of colour that survives haze and lens: photographs of trees are never as green as paint.
-const COLOURFULNESS: f32 = 0.91;
+const COLOURFULNESS: f32 = 0.97;
 
 /// A tree ready to be painted.
 pub struct Subject<'a> {

@@ -1,4 +1,5 @@
-//! Pictures of a single leaf, of a twig with needles, a tuft, a blossom: drawn once, stamped many times.
+//! Pictures of a single leaf, of a twig with needles, a tuft, a blossom: drawn once, stamped many
+//! times.
 //!
 //! A sprite holds coverage and a shade, no colour: the painter gives each stamp its own. Paths are
 //! filled without antialiasing at `FINENESS` times the size and averaged here in whole numbers,

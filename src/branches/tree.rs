@@ -246,7 +246,7 @@ fn bounds(skeleton: &Skeleton, girth: &Girth, leafage: &Leafage) -> (Vec3, Vec3)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::branches::species::{all_species, species_named};
+    use crate::branches::species::species_named;
 
     fn grown(name: &str, index: u32, height_px: u32) -> GrownTree {
         let individual = Individual::new(species_named(name).unwrap(), index);
@@ -286,12 +286,12 @@ mod tests {
     }
 
     #[test]
-    fn every_species_grows_two_trees_that_differ() {
-        for species in all_species() {
-            let [one, two] = [1, 2].map(|index| grown(species.name, index, 48));
+    fn individuals_differ() {
+        for name in ["birch", "poplar", "cypress", "fir", "palm"] {
+            let [one, two] = [1, 2].map(|index| grown(name, index, 48));
             let covered = one.image.pixels().iter().filter(|p| p.alpha() > 127);
-            assert!(covered.count() > 80, "{}", species.name);
-            assert_ne!(one.image, two.image, "{}", species.name);
+            assert!(covered.count() > 80, "{name}");
+            assert_ne!(one.image, two.image, "{name}");
         }
     }
 

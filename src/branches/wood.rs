@@ -6,6 +6,7 @@
 //! bark, whose relief turns the light a little, and the sun's picture of the crown dapples it. The
 //! stem is not round: it swells to roots at the ground, more on some sides than on others.
 
+use super::bark::BarkKind;
 use super::canvas::{Canvas, Dab, Part};
 use super::light::Reached;
 use super::noise::{noise3, ramp};
@@ -51,11 +52,13 @@ fn paint_limb(canvas: &mut Canvas, view: &View, subject: &Subject<'_>, limb: &Li
 /// Factors on a ring's radius at its left and right edge in the picture.
 fn swells(subject: &Subject<'_>, limb: &Limb, ring: &Ring) -> [f32; 2] {
     [Vec3::NEG_X, Vec3::X].map(|side| {
-        let knobs = 1.0 + 0.07 * noise3(ring.path_m * 5.0, side.x * 3.0, ring.radius_m * 90.0, 71);
-        if limb.is_stem || ring.centre.y < 0.4 {
-            knobs * stem_swell(subject.stem_m, side, ring.centre.y)
+        if subject.bark.kind == BarkKind::Rings {
+            // Palms have no roots that show.
+            1.0
+        } else if limb.is_stem || ring.centre.y < 0.4 {
+            stem_swell(subject.stem_m, side, ring.centre.y)
         } else {
-            knobs
+            1.0 + 0.06 * noise3(ring.path_m * 5.0, side.x * 3.0, ring.radius_m * 90.0, 71)
         }
     })
 }
@@ -74,6 +77,8 @@ fn stem_swell(stem_m: f32, side: Vec3, y: f32) -> f32 {
 
 /// Paints the twigs that bear leaves.
 pub(super) fn paint_twigs(canvas: &mut Canvas, view: &View, subject: &Subject<'_>) {
+    // Twigs are as thick as their leaves are large.
+    let thick_m = 0.042 * subject.leaf_m;
     for twig in &subject.leafage.twigs {
         let ring = |centre: Vec3, radius_m: f32| Ring {
             centre,
@@ -82,8 +87,8 @@ pub(super) fn paint_twigs(canvas: &mut Canvas, view: &View, subject: &Subject<'_
             path_m: 0.0,
         };
         let piece = Piece {
-            from: ring(twig.from, 0.006),
-            to: ring(twig.to, 0.003),
+            from: ring(twig.from, thick_m),
+            to: ring(twig.to, 0.5 * thick_m),
             part: Part::Crown,
             swell: [[1.0; 2]; 2],
         };

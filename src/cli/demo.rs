@@ -6,7 +6,7 @@ use super::library::pictures;
 use super::session::Session;
 use super::{Job, Stages};
 use crate::batch::vary::{Trees, Vary};
-use crate::branches::samples::samples;
+use crate::branches::samples::{Sample, starters};
 use crate::segment::standard;
 use crate::variation::{ChoiceSettings, ExemplarSettings};
 use clap::Args;
@@ -14,7 +14,7 @@ use std::path::PathBuf;
 
 /// Make new trees and a crown from the built-in samples
 ///
-/// Writes the samples into DIR/exemplars, new trees and library.json into DIR/trees, all of them on
+/// Writes one sample of each species into DIR/exemplars, new trees and library.json into DIR/trees, all of them on
 /// one sheet, DIR/sheet.png, and one sample's crown in three dimensions into DIR/crown, with a
 /// picture of it, DIR/crown.png.
 #[derive(Debug, Args)]
@@ -43,12 +43,13 @@ impl Job for Flags {
     fn run(&self, session: &Session<'_>) -> Result<(), Failure> {
         let out = session.options.out()?;
         let folder = out.join("exemplars");
-        let files: Vec<PathBuf> = samples()
+        let chosen: Vec<&Sample> = starters().collect();
+        let files: Vec<PathBuf> = chosen
             .iter()
             .map(|sample| folder.join(format!("{}.webp", sample.name())))
             .collect();
         let stage = session.progress.stage("samples", files.len() as u64);
-        for (file, sample) in files.iter().zip(samples()) {
+        for (file, sample) in files.iter().zip(chosen) {
             session.cancel.check()?;
             session.output.write_same(file, sample.bundled())?;
             stage.advance();

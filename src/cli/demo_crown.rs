@@ -4,11 +4,11 @@ use super::failure::Failure;
 use super::output::recipe;
 use super::session::Session;
 use crate::base::{Digest, Seed};
-use crate::branches::samples::{Sample, samples};
+use crate::branches::samples::{Sample, sample_named};
 use crate::branches::sprite::LeafShape;
 use crate::export::{crown_file_names, crown_files};
 use crate::pipeline::{CrownError, CrownSettings, crown};
-use crate::raster::{Compression, Mask, ReadLimits, encode_png, read_image_from_memory};
+use crate::raster::{Compression, Mask, encode_png};
 use crate::render::{
     Backend, LeafSet, Mode, PreparedCrown, PreparedMesh, RenderSettings, Renderer, SceneView,
 };
@@ -18,7 +18,7 @@ use serde_json::json;
 use std::path::{Path, PathBuf};
 
 /// The sample that becomes a crown: dense, and of a shape that everybody knows.
-const SAMPLE: &str = "oak";
+const SAMPLE: &str = "oak_02";
 
 /// Pixels along a side of the picture.
 const PICTURE: u32 = 768;
@@ -32,9 +32,8 @@ const VIEW_DEG: (f64, f64) = (40.0, 8.0);
 /// # Errors
 /// [`Failure::Cancelled`], and when files cannot be written.
 pub(super) fn demo_crown(session: &Session<'_>, folder: &Path) -> Result<(), Failure> {
-    let sample = samples().iter().find(|sample| sample.name() == SAMPLE);
-    let sample =
-        sample.ok_or_else(|| Failure::Environment("a built-in sample is missing".into()))?;
+    let sample = sample_named(SAMPLE)
+        .ok_or_else(|| Failure::Environment("a built-in sample is missing".into()))?;
     let stage = session.progress.stage("crown", 2);
     let picture_path = folder.with_extension("png");
     let files: Vec<PathBuf> = crown_file_names().iter().map(|n| folder.join(n)).collect();
@@ -77,8 +76,7 @@ fn digest_of(sample: &Sample, seed: u64) -> Digest {
 }
 
 fn crown_of(sample: &Sample, session: &Session<'_>) -> Result<Crown, Failure> {
-    let picture =
-        read_image_from_memory(sample.bundled(), Path::new(SAMPLE), ReadLimits::default())?;
+    let picture = sample.trimmed()?;
     let labels = standard().segment(&picture, session.cancel)?;
     let mask: Mask = labels.map(|&label| label == Label::Crown);
     let seed = Seed(session.options.seed);

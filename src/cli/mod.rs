@@ -24,6 +24,7 @@ mod inspect;
 mod library;
 mod morph;
 mod options;
+mod photos;
 mod polygons;
 #[doc(hidden)]
 pub mod readers;

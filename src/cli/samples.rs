@@ -4,6 +4,7 @@ use super::failure::Failure;
 use super::input::PictureFile;
 use super::items::made;
 use super::output::recipe;
+use super::photos::write_photos;
 use super::session::Session;
 use super::{Job, Stages};
 use crate::base::Digest;
@@ -34,7 +35,7 @@ pub(super) struct Flags {
     #[arg(long, value_delimiter = ',', value_name = "NAMES")]
     species: Vec<String>,
     /// How many individuals of each species
-    #[arg(long, default_value_t = INDIVIDUALS, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(long, default_value_t = INDIVIDUALS, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     individuals: u32,
     /// Number of the first individual
     #[arg(long, default_value_t = 1, value_name = "K", value_parser = clap::value_parser!(u32).range(1..=1_000_000_000))]
@@ -48,7 +49,14 @@ pub(super) struct Flags {
     /// Write the pictures that come with the program, without labels
     #[arg(long, conflicts_with_all = ["species", "individuals", "first", "height", "layers"])]
     bundled: bool,
+    /// Write photographs of grown trees, NAME.jpg, with the masks of their crowns, NAME.mask.png
+    #[arg(long, conflicts_with_all = ["species", "individuals", "first", "height", "layers", "bundled"])]
+    photos: bool,
 }
+
+/// Where depth is measured, for those who read the layers.
+const FRAME: &str = "metres from the foot of the stem, which is in the middle of the lower edge; \
+    x right, y up, z to the viewer; parallel projection along z";
 
 impl Job for Flags {
     fn stages(&self) -> Stages {
@@ -59,6 +67,9 @@ impl Job for Flags {
         let folder = session.options.out()?;
         if self.bundled {
             return write_bundled(folder, session);
+        }
+        if self.photos {
+            return print_samples(write_photos(folder, session)?, session);
         }
         let tasks = self.tasks(folder)?;
         let shard = session.options.shard;
@@ -194,7 +205,7 @@ impl Task {
             "traits": self.individual.traits(),
             "height_m": height_m,
             "pixels_of_metre": pixels_of_metre,
-            "frame": "metres from the foot of the stem, which is in the middle of the lower edge; x right, y up, z to the viewer; parallel projection along z",
+            "frame": FRAME,
             "depth": {
                 "background": 0,
                 "z_m": "offset_m + step_m * value",

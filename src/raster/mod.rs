@@ -39,4 +39,4 @@ pub use read::{
 };
 pub use rect::Rect;
 pub use resample::resized;
-pub use write::{Compression, encode_grey_png, encode_opaque_png, encode_png};
+pub use write::{Compression, encode_grey_png, encode_jpeg, encode_opaque_png, encode_png};

@@ -46,6 +46,28 @@ pub fn encode_opaque_png(image: &Image<Straight>, compression: Compression) -> V
     )
 }
 
+/// `image` as the bytes of a JPEG file of `quality` 1 … 100; its alpha is left out.
+///
+/// The bytes depend on the version of the encoder.
+pub fn encode_jpeg(image: &Image<Straight>, quality: u8) -> Vec<u8> {
+    let colors: Vec<u8> = image
+        .pixels()
+        .iter()
+        .flat_map(|p| [p.0[0], p.0[1], p.0[2]])
+        .collect();
+    let mut out = Vec::new();
+    let mut encoder = ::image::codecs::jpeg::JpegEncoder::new_with_quality(&mut out, quality);
+    encoder
+        .encode(
+            &colors,
+            image.width(),
+            image.height(),
+            ::image::ExtendedColorType::Rgb8,
+        )
+        .expect("a Vec takes all bytes, and an image's pixels fill it");
+    out
+}
+
 /// `image` as the bytes of an 8-bit grey PNG file.
 pub fn encode_grey_png(image: &Image<u8>, compression: Compression) -> Vec<u8> {
     let bytes = Cow::Borrowed(image.pixels());

@@ -323,7 +323,7 @@ pub(super) const APPLE: Species = Species {
                 kind: OrnamentKind::Fruit,
                 size_m: 0.098,
                 per_twig: 0.085,
-                colours: [[186, 44, 34], [204, 122, 52]],
+                colours: [[158, 28, 26], [172, 92, 44]],
             }),
         },
     ],

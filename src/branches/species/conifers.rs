@@ -114,7 +114,7 @@ pub(super) const PINE: Species = Species {
     name: "pine",
     height_m: 16.0,
     stem_m: 0.25,
-    tip_m: 0.012,
+    tip_m: 0.009,
     habit: Habit::Crown(Crown {
         base: 0.56,
         outline: &[
@@ -124,10 +124,10 @@ pub(super) const PINE: Species = Species {
             (0.8, 0.16),
             (1.0, 0.03),
         ],
-        lobes: 46,
+        lobes: 70,
         lobe: (0.065, 0.11),
-        flatness: 0.42,
-        loose: 0.02,
+        flatness: 0.5,
+        loose: 0.07,
         spacing_m: 0.33,
         leader: 0.78,
         stems: 1,
@@ -144,10 +144,10 @@ pub(super) const PINE: Species = Species {
         shape: LeafShape::Tuft,
         leaf_m: 0.33,
         phyllotaxis: Phyllotaxis::Cards,
-        twigs: 7.0,
+        twigs: 7.5,
         twig_m: 0.0,
         leaves: 1,
-        bearing_tips: 3,
+        bearing_tips: 4,
         droop: 0.0,
     },
     seasons: &[Season::plain(LeafTint {
@@ -164,7 +164,7 @@ pub(super) const PINE: Species = Species {
         density: (0.8, 1.2),
         lean: 0.07,
     },
-    seed: 1,
+    seed: 3,
 };
 
 /// A dark, close column of upright plumes.
@@ -174,7 +174,7 @@ pub(super) const CYPRESS: Species = Species {
     stem_m: 0.19,
     tip_m: 0.008,
     habit: Habit::Crown(Crown {
-        base: 0.045,
+        base: 0.02,
         outline: &[
             (0.0, 0.055),
             (0.10, 0.085),
@@ -184,14 +184,14 @@ pub(super) const CYPRESS: Species = Species {
             (1.0, 0.005),
         ],
         lobes: 420,
-        lobe: (0.022, 0.045),
+        lobe: (0.018, 0.036),
         flatness: 2.4,
         loose: 0.25,
-        spacing_m: 0.30,
+        spacing_m: 0.25,
         leader: 0.95,
         stems: 1,
         crook: 0.12,
-        rise: 1.5,
+        rise: 0.95,
         strands_m: 0.0,
     }),
     bark: Bark {
@@ -201,12 +201,12 @@ pub(super) const CYPRESS: Species = Species {
     },
     foliage: Foliage {
         shape: LeafShape::Spray,
-        leaf_m: 0.30,
+        leaf_m: 0.29,
         phyllotaxis: Phyllotaxis::Cards,
-        twigs: 3.4,
+        twigs: 4.4,
         twig_m: 0.0,
         leaves: 1,
-        bearing_tips: 12,
+        bearing_tips: 22,
         droop: -1.6,
     },
     seasons: &[Season::plain(LeafTint {

@@ -48,13 +48,21 @@ pub(super) const BIRCH: Species = Species {
         bearing_tips: 5,
         droop: 0.75,
     },
-    seasons: &[Season::plain(LeafTint {
-        main: [98, 118, 60],
-        other: [134, 146, 78],
-        through: [150, 158, 70],
-        share: 0.40,
-        patchy: 0.3,
-    })],
+    seasons: &[
+        Season::plain(BIRCH_LEAF),
+        Season::plain(BIRCH_LEAF),
+        Season {
+            tint: LeafTint {
+                main: [172, 136, 52],
+                other: [140, 138, 66],
+                through: [206, 168, 60],
+                share: 0.35,
+                patchy: 0.7,
+            },
+            leaves: 0.85,
+            ornament: None,
+        },
+    ],
     spread: Spread {
         height: (0.7, 1.12),
         breadth: (0.8, 1.25),
@@ -63,6 +71,15 @@ pub(super) const BIRCH: Species = Species {
         lean: 0.06,
     },
     seed: 1,
+};
+
+/// Birch leaves in summer.
+const BIRCH_LEAF: LeafTint = LeafTint {
+    main: [98, 118, 60],
+    other: [134, 146, 78],
+    through: [150, 158, 70],
+    share: 0.40,
+    patchy: 0.3,
 };
 
 /// A tight column of rising limbs.
@@ -81,15 +98,15 @@ pub(super) const POPLAR: Species = Species {
             (0.93, 0.05),
             (1.0, 0.008),
         ],
-        lobes: 240,
-        lobe: (0.035, 0.06),
+        lobes: 420,
+        lobe: (0.028, 0.05),
         flatness: 1.5,
-        loose: 0.2,
-        spacing_m: 0.42,
-        leader: 0.93,
+        loose: 0.28,
+        spacing_m: 0.36,
+        leader: 0.96,
         stems: 1,
         crook: 0.14,
-        rise: 0.75,
+        rise: 0.9,
         strands_m: 0.0,
     }),
     bark: Bark {
@@ -99,12 +116,12 @@ pub(super) const POPLAR: Species = Species {
     },
     foliage: Foliage {
         shape: LeafShape::Round,
-        leaf_m: 0.125,
+        leaf_m: 0.105,
         phyllotaxis: Phyllotaxis::Spiral,
-        twigs: 2.5,
+        twigs: 2.9,
         twig_m: 0.30,
-        leaves: 9,
-        bearing_tips: 5,
+        leaves: 10,
+        bearing_tips: 8,
         droop: 0.2,
     },
     seasons: &[Season::plain(LeafTint {
@@ -116,10 +133,10 @@ pub(super) const POPLAR: Species = Species {
     })],
     spread: Spread {
         height: (0.7, 1.1),
-        breadth: (0.85, 1.35),
-        bare: (0.6, 1.8),
+        breadth: (0.72, 1.12),
+        bare: (0.5, 1.3),
         density: (0.8, 1.1),
-        lean: 0.03,
+        lean: 0.015,
     },
     seed: 1,
 };

@@ -10,7 +10,7 @@ use super::{Habit, Season, Species, Spread};
 pub(super) const SAPLING: Species = Species {
     name: "sapling",
     height_m: 5.2,
-    stem_m: 0.055,
+    stem_m: 0.046,
     tip_m: 0.006,
     habit: Habit::Crown(Crown {
         base: 0.30,
@@ -98,9 +98,9 @@ pub(super) const SHRUB: Species = Species {
     },
     foliage: Foliage {
         shape: LeafShape::Ovate,
-        leaf_m: 0.046,
+        leaf_m: 0.041,
         phyllotaxis: Phyllotaxis::Opposite,
-        twigs: 3.2,
+        twigs: 3.7,
         twig_m: 0.12,
         leaves: 9,
         bearing_tips: 5,

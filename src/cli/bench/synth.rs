@@ -3,21 +3,18 @@
 use super::super::failure::Failure;
 use super::row::{Baseline, Row, measured, measured_long};
 use crate::base::{Cancel, Progress, Seed};
-use crate::branches::samples;
+use crate::branches::samples::sample_named;
 use crate::crown::{height_cubemap, radius_cubemap, radius_with_relief};
 use crate::pipeline::{CrownError, CrownSettings, crown_shape};
-use crate::raster::{
-    Cubemap, Image, Mask, ReadLimits, Rect, Straight, read_image_from_memory, resized,
-};
+use crate::raster::{Cubemap, Image, Mask, Rect, Straight, resized};
 use crate::synth::{
     Exemplar, ExemplarSettings, SynthesisError, SynthesisSettings, Wrapping, assembled, texture,
     texture_around, wrapped,
 };
 use std::hint::black_box;
-use std::path::Path;
 
 /// The sample whose foliage is taken.
-const SAMPLE: &str = "oak";
+const SAMPLE: &str = "oak_02";
 
 /// Texels along a face.
 const SIZE: u32 = 256;
@@ -110,9 +107,10 @@ fn cubemap(
 /// The upper half of the sample, which is all crown, and its mask, at the scale that a crown's
 /// cubemap of [`SIZE`] asks for.
 fn crown_picture() -> Result<(Image<Straight>, Mask), Failure> {
-    let sample = samples().iter().find(|sample| sample.name() == SAMPLE);
-    let bytes = sample.map(|sample| sample.bundled()).unwrap_or_default();
-    let picture = read_image_from_memory(bytes, Path::new(SAMPLE), ReadLimits::default())
+    let missing = || Failure::Environment("a built-in sample is missing".into());
+    let picture = sample_named(SAMPLE)
+        .ok_or_else(missing)?
+        .trimmed()
         .map_err(|error| Failure::Environment(error.to_string()))?;
     let upper = Rect {
         x: 0,

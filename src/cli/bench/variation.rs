@@ -3,19 +3,18 @@
 use super::super::failure::Failure;
 use super::row::{Baseline, Row, measured};
 use crate::base::{Cancel, Progress, Seed};
-use crate::branches::samples;
+use crate::branches::samples::sample_named;
 use crate::geometry::Point;
-use crate::raster::{Compression, Image, ReadLimits, Straight, encode_png, read_image_from_memory};
+use crate::raster::{Compression, Image, Straight, encode_png};
 use crate::segment::{Classical, SegmentError};
 use crate::variation::{
     Exemplar, ExemplarError, ExemplarSettings, Histogram, Layout, Source, Transfer, WarpPrecision,
     synthesized,
 };
 use std::hint::black_box;
-use std::path::Path;
 
 /// The samples that are mixed.
-const PAIR: [&str; 2] = ["oak", "linden"];
+const PAIR: [&str; 2] = ["oak_02", "maple_01"];
 
 /// Holes of the picture that is hardest to prepare.
 const HOLES: usize = 5_000;
@@ -137,8 +136,7 @@ fn exact_row(layout: &Layout, cancel: &Cancel) -> Result<Row, Failure> {
 
 /// The picture of the built-in sample of this name.
 fn picture(name: &str) -> Option<Image<Straight>> {
-    let sample = samples().iter().find(|sample| sample.name() == name)?;
-    read_image_from_memory(sample.bundled(), Path::new(name), ReadLimits::default()).ok()
+    sample_named(name)?.trimmed().ok()
 }
 
 fn prepared(picture: &Image<Straight>, size: u32, cancel: &Cancel) -> Result<Exemplar, Failure> {

@@ -2,7 +2,7 @@
 
 use super::failure::Failure;
 use crate::base::{Seed, read_limited};
-use crate::contour::PinnedContour;
+use crate::contour::{HandPins, PinnedContour};
 use crate::geometry::Point;
 use crate::variation::{Chosen, Distortion, ExemplarSettings, Library};
 use serde::{Deserialize, Serialize};
@@ -55,6 +55,9 @@ pub(crate) struct ExemplarRecord {
     pub(crate) file: String,
     /// Digest of the file's content, BLAKE3.
     pub(crate) digest: String,
+    /// The pins that were set in it by hand.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) pins: Option<HandPins>,
 }
 
 /// Foot and trunk tops in pixels of the picture.
@@ -99,6 +102,7 @@ impl TreeRecord {
             ExemplarRecord {
                 file,
                 digest: entry.digest.to_string(),
+                pins: entry.pins,
             }
         };
         Self {

@@ -299,6 +299,7 @@ impl Like {
             record: ExemplarRecord {
                 file: picture.path.display().to_string(),
                 digest: library.entries()[0].digest.to_string(),
+                pins: None,
             },
             palette: Palette::of_exemplar(&exemplar),
         })

@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """Drives the real studio like a hand and measures how soon it answers.
 
-Needs Xvfb, xdotool and a Vulkan driver (Mesa's lavapipe counts). Opens a picture, paints on it with
-mouse moves, saves, kills the studio without warning, and recovers what was painted after. Prints a
+Needs Xvfb, xdotool, ImageMagick and a Vulkan driver (Mesa's lavapipe counts). Opens a picture, paints
+on it with mouse moves, drags k, kills the studio without warning and recovers what was painted; then
+opens the sample project, fills the gallery, writes trees and a crown for an engine, and saves. Prints a
 table; ends with 1 when something did not happen.
 
-    scripts/drive.py target/release/boscage photo.jpg [--out FOLDER]
+    scripts/drive.py target/release/boscage photo.jpg [--out FOLDER] [--guide docs/pictures]
 """
 import argparse
 import os
@@ -19,11 +20,19 @@ import threading
 import time
 
 SIZE = (1440, 900)
+
+# Places in a window of that size with the layout it comes with.
 CANVAS = (460, 460)
+VIEW = (960, 560)
+SAMPLE_BUTTON = (720, 292)
+FIXED_K = (1261, 104)
+K_RAIL = ((1196, 1352), 158)
+SKIP_TOUR = (101, 835)
 
 
 class Studio:
-    """The program in a display of its own; `frames` are the times (s) at which it drew."""
+    """The program in a display of its own; `frames` are (when it was made, inputs it saw, how long it
+    took), in seconds."""
 
     def __init__(self, program, display, config, files):
         self.environment = dict(
@@ -36,20 +45,27 @@ class Studio:
         self.frames = []
         self.started = time.time()
         self.process = subprocess.Popen(
-            [program, *files], env=self.environment, stderr=subprocess.PIPE, text=True
+            [program, *map(str, files)], env=self.environment, stderr=subprocess.PIPE, text=True
         )
         threading.Thread(target=self.listen, daemon=True).start()
 
     def listen(self):
         for line in self.process.stderr:
             words = line.split()
-            if len(words) == 3 and words[0] == "frame":
-                self.frames.append((int(words[1]) / 1e6, int(words[2])))
+            if len(words) == 4 and words[0] == "frame":
+                at, events, took = map(int, words[1:])
+                self.frames.append((at / 1e6, events, took / 1e6))
             else:
                 print("studio:", line.rstrip(), file=sys.stderr)
 
     def first_frame(self):
         wait_for(lambda: self.frames, "the first frame")
+        # Without a window manager nobody gives the window the keyboard.
+        found = subprocess.run(
+            ["xdotool", "search", "--name", "Boscage", "windowfocus"], env=self.environment
+        )
+        if found.returncode:
+            sys.exit("the window cannot be found")
         return self.frames[0][0] - self.started
 
     def hand(self, *words):
@@ -57,14 +73,26 @@ class Studio:
         subprocess.run(["xdotool", *map(str, words)], env=self.environment, check=True)
         return time.time()
 
+    def click(self, place):
+        self.hand("mousemove", *place)
+        time.sleep(0.2)
+        self.hand("click", 1)
+        time.sleep(0.4)
+
     def answer_to(self, *words):
         """Seconds from an input to the end of the frame that saw it."""
         count = len(self.frames)
         begun = time.time()
         self.hand(*words)
-        wait_for(lambda: any(events for _, events in self.frames[count:]), f"a frame after {words}")
-        drawn = next(at for at, events in self.frames[count:] if events)
-        return max(drawn - begun, 0.0)
+        saw = lambda: [at for at, events, _ in self.frames[count:] if events and at > begun]
+        wait_for(saw, f"a frame after {words}")
+        return max(saw()[0] - begun, 0.0)
+
+    def processor_share(self, seconds):
+        """Share of a core that it takes while nothing is done to it."""
+        before = self.processor_seconds()
+        time.sleep(seconds)
+        return (self.processor_seconds() - before) / seconds
 
     def processor_seconds(self):
         fields = pathlib.Path(f"/proc/{self.process.pid}/stat").read_text().rsplit(")", 1)[1].split()
@@ -78,7 +106,7 @@ class Studio:
         self.process.wait()
 
 
-def wait_for(is_so, what, patience=60.0):
+def wait_for(is_so, what, patience=120.0):
     until = time.time() + patience
     while not is_so():
         if time.time() > until:
@@ -86,17 +114,30 @@ def wait_for(is_so, what, patience=60.0):
         time.sleep(0.005)
 
 
-def settle(studio, quiet=1.5):
+def settle(studio, quiet=2.0, patience=240.0):
     """Waits until nothing has been drawn for a while."""
-    while True:
+    until = time.time() + patience
+    while time.time() < until:
         count = len(studio.frames)
         time.sleep(quiet)
         if len(studio.frames) == count:
             return
+    sys.exit("the window does not come to rest")
 
 
-def median(values):
-    return sorted(values)[len(values) // 2]
+class Table:
+    def __init__(self):
+        self.rows = []
+
+    def tell(self, name, value):
+        self.rows.append((name, value))
+        print(f"{name}: {value}", flush=True)
+
+    def answers(self, name, seconds):
+        seconds = sorted(seconds)
+        middle, late = seconds[len(seconds) // 2], seconds[int(len(seconds) * 0.95)]
+        self.tell(f"{name}, median", f"{middle * 1e3:.0f} ms")
+        self.tell(f"{name}, 95 of 100", f"{late * 1e3:.0f} ms")
 
 
 def main():
@@ -104,6 +145,7 @@ def main():
     parser.add_argument("program")
     parser.add_argument("photo")
     parser.add_argument("--out", help="folder for screenshots")
+    parser.add_argument("--guide", help="folder for the guide's pictures")
     arguments = parser.parse_args()
     out = pathlib.Path(arguments.out or tempfile.mkdtemp())
     out.mkdir(parents=True, exist_ok=True)
@@ -115,69 +157,153 @@ def main():
         stderr=subprocess.DEVNULL,
     )
     time.sleep(1.0)
-    rows = []
+    table = Table()
     try:
-        drive(arguments, display, config, out, rows)
+        start = lambda *files: Studio(arguments.program, display, config, files)
+        crash_and_recover(start, arguments.photo, config, out, table)
+        sample(start, config, out, table, arguments.guide)
     finally:
         server.terminate()
         shutil.rmtree(config, ignore_errors=True)
-    width = max(len(name) for name, _ in rows)
-    for name, value in rows:
-        print(f"{name:<{width}}  {value}")
     print(f"screenshots: {out}")
 
 
-def drive(arguments, display, config, out, rows):
-    studio = Studio(arguments.program, display, config, [arguments.photo])
-    rows.append(("start to first frame", f"{studio.first_frame() * 1e3:.0f} ms"))
+def crash_and_recover(start, photo, config, out, table):
+    studio = start(photo)
+    table.tell("start to first frame", f"{studio.first_frame() * 1e3:.0f} ms")
+    settle(studio)
+    studio.click(SKIP_TOUR)
     settle(studio)
     studio.picture(out / "1-opened.png")
-    before = studio.processor_seconds()
-    time.sleep(5.0)
-    idle = (studio.processor_seconds() - before) / 5.0
-    rows.append(("processor while nothing changes", f"{idle * 100:.1f} %"))
+    table.tell("processor while nothing changes", f"{studio.processor_share(5.0) * 100:.1f} %")
 
     x, y = CANVAS
     studio.hand("key", "b")
     studio.hand("mousemove", x, y - 120, "mousedown", 1)
-    answers = []
-    for step in range(40):
-        place = (x + (step % 10) * 8 - 40, y - 120 + step * 6)
-        answers.append(studio.answer_to("mousemove", *place))
+    way = [(x + (step % 10) * 8 - 40, y - 120 + step * 6) for step in range(40)]
+    answers = [studio.answer_to("mousemove", *place) for place in way]
     studio.hand("mouseup", 1)
-    answers.sort()
-    rows.append(("mouse move to frame while painting, median", f"{median(answers) * 1e3:.0f} ms"))
-    rows.append(("the same, 95 of 100", f"{answers[int(len(answers) * 0.95)] * 1e3:.0f} ms"))
+    table.answers("mouse move to frame while painting", answers)
     settle(studio)
     studio.picture(out / "2-painted.png")
+
+    studio.click(FIXED_K)
+    settle(studio)
+    (left, right), rail_y = K_RAIL
+    studio.hand("mousemove", left + 40, rail_y, "mousedown", 1)
+    places = [left + 40 + step * (right - left - 40) // 30 for step in range(30)]
+    answers = [studio.answer_to("mousemove", place, rail_y) for place in places]
+    studio.hand("mouseup", 1)
+    table.answers("mouse move to frame while dragging k", answers)
+    settle(studio)
+    studio.picture(out / "3-another-k.png")
 
     # The autosave comes within 30 seconds; then the studio dies without a word.
     recovery = config / "recovery"
     begun = time.time()
-    wait_for(lambda: list(recovery.glob("*/document.boscage")), "an autosave", 40.0)
-    rows.append(("change to autosave", f"{time.time() - begun:.0f} s"))
+    wait_for(lambda: list(recovery.glob("*/document.boscage")), "an autosave", 60.0)
+    table.tell("change to autosave", f"{time.time() - begun:.0f} s after the crown came to rest")
+    settle(studio)
+    share = studio.processor_share(5.0)
+    table.tell("processor while a change waits to be saved", f"{share * 100:.1f} %")
     studio.kill()
-    left = next(recovery.glob("*/document.boscage")).parent
+    left_behind = next(recovery.glob("*/document.boscage")).parent
 
-    studio = Studio(arguments.program, display, config, [])
+    studio = start()
     studio.first_frame()
     settle(studio)
-    studio.picture(out / "3-after-crash.png")
-    recover(studio, left, out)
-    rows.append(("recovered after SIGKILL", "yes"))
+    studio.picture(out / "4-after-crash.png")
+    for y in range(380, 560, 8):
+        if not left_behind.exists():
+            break
+        studio.hand("mousemove", 500, y, "click", 1)
+        time.sleep(0.5)
+    wait_for(lambda: not left_behind.exists(), "the recovery", 20.0)
+    settle(studio)
+    studio.picture(out / "5-recovered.png")
+    table.tell("recovered after SIGKILL", "yes")
+    studio.kill()
+    shutil.rmtree(recovery, ignore_errors=True)
+
+
+def sample(start, config, out, table, guide):
+    """Trees and crowns of the sample project, to folders; then the project to a file."""
+    studio = start()
+    studio.first_frame()
+    settle(studio)
+    studio.click(SAMPLE_BUTTON)
+    settle(studio)
+    studio.hand("mousemove", *VIEW)
+    settle(studio)
+    studio.picture(out / "6-crown.png")
+    keep(out / "6-crown.png", guide, "studio-crown")
+
+    studio.hand("mousemove", *CANVAS, "key", "k")
+    studio.hand("key", "shift+w")
+    time.sleep(1.0)
+    studio.hand("mousemove", 690, 420, "mousedown", 1)
+    for step in range(8):
+        studio.hand("mousemove", 690 + 4 * step, 420)
+        time.sleep(0.1)
+    settle(studio)
+    studio.picture(out / "7-depth.png")
+    keep(out / "7-depth.png", guide, "studio-depth")
+    studio.hand("mouseup", 1)
+    studio.hand("key", "shift+w")
+    studio.hand("key", "b")
+    settle(studio)
+
+    crown = config / "crown"
+    asked(studio, "ctrl+e", crown)
+    wait_for(lambda: (crown / "library.json").exists(), "the export of a crown", 600.0)
+    table.tell("exported a crown", "yes")
+    settle(studio)
+
+    studio.hand("key", "ctrl+2")
+    settle(studio, 4.0, 600.0)
+    studio.picture(out / "8-variations.png")
+    keep(out / "8-variations.png", guide, "studio-variations")
+
+    trees = config / "trees"
+    asked(studio, "ctrl+m", trees)
+    count, begun = len(studio.frames), time.time()
+    while not (trees / "library.json").exists():
+        place = 500 + int(time.time() * 300) % 300
+        studio.hand("mousemove", place, 800)
+        if time.time() > begun + 600.0:
+            sys.exit("did not happen: a batch of trees")
+    during = studio.frames[count:]
+    took = sorted(took for _, _, took in during)
+    table.tell("a batch of 50 trees", f"{time.time() - begun:.1f} s")
+    table.tell("longest frame meanwhile", f"{took[-1] * 1e3:.0f} ms of {len(took)} frames")
+    settle(studio)
+
+    project = config / "wald.boscage"
+    studio.hand("key", "ctrl+s")
+    time.sleep(1.5)
+    studio.hand("type", str(project))
+    studio.hand("key", "Return")
+    wait_for(project.exists, "a saved project")
+    table.tell("saved", f"{project.stat().st_size / 1e6:.1f} MB")
     studio.kill()
 
 
-def recover(studio, left, out):
-    """Clicks "Recover" on the start screen, wherever it is; then the old autosave goes."""
-    for y in range(400, 520, 8):
-        studio.hand("mousemove", 500, y, "click", 1)
-        time.sleep(0.5)
-        if not left.exists():
-            break
-    wait_for(lambda: not left.exists(), "the recovery", 10.0)
-    settle(studio)
-    studio.picture(out / "4-recovered.png")
+def asked(studio, key, folder):
+    """Opens a dialog that writes to a folder, and has it write to `folder`."""
+    studio.hand("key", key)
+    time.sleep(2.0)
+    # The folder's field has the keyboard.
+    studio.hand("type", str(folder))
+    time.sleep(0.5)
+    studio.hand("key", "Return")
+    time.sleep(1.0)
+
+
+def keep(picture, guide, name):
+    """A picture for the guide."""
+    if guide:
+        target = pathlib.Path(guide) / f"{name}.jpg"
+        subprocess.run(["convert", str(picture), "-quality", "88", str(target)], check=True)
 
 
 if __name__ == "__main__":

@@ -668,6 +668,7 @@ fn every_tool_and_swatch_can_be_clicked() {
             Tool::Livewire => "Livewire",
             Tool::Flood => "Flood",
             Tool::Smart => "Smart Select",
+            Tool::Depth => "Depth Handles",
             Tool::Hand => "Hand",
         };
         window.get_by_role_and_label(Role::Button, name).click();

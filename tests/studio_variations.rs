@@ -99,6 +99,106 @@ fn gallery_of(count: u32) -> (Window, tempfile::TempDir) {
     (window, folder)
 }
 
+#[test]
+fn pins_are_dragged_and_trees_follow_here_and_from_their_record() {
+    let (mut window, folder) = gallery_of(1);
+    let before = window.state().studio().document().digest();
+    let name = SAMPLES[0];
+    window.get_by_label(&format!("Pins of {name}.webp")).click();
+    for _ in 0..4 {
+        window.step();
+    }
+    window.check_accessibility();
+    let pin = window.get_by_label("Left top of the trunk").rect().center();
+    let mouse = |window: &mut Window, to: egui::Pos2, pressed: Option<bool>| {
+        window.event(egui::Event::PointerMoved(to));
+        if let Some(pressed) = pressed {
+            window.event(egui::Event::PointerButton {
+                pos: to,
+                button: egui::PointerButton::Primary,
+                pressed,
+                modifiers: egui::Modifiers::NONE,
+            });
+        }
+        window.step();
+    };
+    // A little up the outline, so that trees still fit.
+    let to = pin - egui::vec2(6.0, 14.0);
+    mouse(&mut window, pin, Some(true));
+    for step in 1..=4 {
+        mouse(&mut window, pin.lerp(to, step as f32 / 4.0), None);
+    }
+    mouse(&mut window, to, Some(false));
+    let studio = window.state().studio();
+    let pins = &studio.document().state().content().pins;
+    let (id, moved) = pins.iter().next().map(|(id, pins)| (*id, *pins)).unwrap();
+    assert!(
+        moved.is_sound() && moved.left[0] < moved.right[0],
+        "{moved:?}"
+    );
+    assert_eq!(studio.document().complaint(), None);
+    wait(&mut window, |studio| {
+        studio.missing_trees() == Some(0) && !studio.is_busy()
+    });
+
+    // The record of a tree tells of the pins, and makes it again.
+    let ours = folder.path().join("ours");
+    let settings = BatchSettings {
+        which: Which::Drawn(6),
+        folder: ours.clone(),
+        size: 128,
+        has_sheet: false,
+        ..BatchSettings::default()
+    };
+    act(
+        &mut window,
+        Action::Vary(VaryAction::Make(Box::new(settings))),
+    );
+    wait(&mut window, |studio| {
+        let mut notices = studio.notices().iter();
+        notices.any(|notice| notice.text.starts_with("Made 6 trees"))
+    });
+    let record = std::fs::read(ours.join("library.json")).unwrap();
+    let record: serde_json::Value = serde_json::from_slice(&record).unwrap();
+    let is_pinned = |tree: &&serde_json::Value| {
+        let exemplars = tree["exemplars"].as_array().unwrap();
+        let ours = exemplars
+            .iter()
+            .find(|part| part["file"] == format!("{name}.webp"));
+        ours.is_some_and(|part| part["pins"]["left"][1] == moved.left[1])
+    };
+    let tree = record["trees"].as_array().unwrap().iter().find(is_pinned);
+    let file = tree.unwrap()["file"].as_str().unwrap();
+    let again = folder.path().join("again");
+    let of_tree = format!("{}#{file}", ours.join("library.json").display());
+    let vary: [&std::ffi::OsStr; 6] = [
+        "vary".as_ref(),
+        "--recipe".as_ref(),
+        of_tree.as_ref(),
+        "--no-cache".as_ref(),
+        "--out".as_ref(),
+        again.as_os_str(),
+    ];
+    boscage(&vary);
+    let [ours, again] = [ours, again].map(|at| std::fs::read(at.join(file)).unwrap());
+    assert!(again == ours);
+
+    let forget = Edit::SetPins(id, None);
+    let (label, gesture) = ("Find Pins Again", Gesture::Whole);
+    act(
+        &mut window,
+        Action::Edit {
+            label,
+            edit: forget,
+            gesture,
+        },
+    );
+    assert_eq!(window.state().studio().document().digest(), before);
+    act(&mut window, Action::Do(Command::Undo));
+    act(&mut window, Action::Do(Command::Undo));
+    assert_eq!(window.state().studio().document().digest(), before);
+}
+
 /// All files below `folder`, by their path in it.
 fn contents(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut found = BTreeMap::new();

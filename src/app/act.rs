@@ -46,6 +46,7 @@ impl Studio {
                 *self.document.view_mut() = *view;
                 self.changed();
             }
+            Action::LookAt(view) => self.document.view_mut().canvas = Some(view),
             Action::ShowPhoto(photo) => self.show_photo(photo),
             Action::Workspace(workspace) => self.go_to(workspace),
             Action::Open(paths) => self.open(paths),
@@ -117,6 +118,10 @@ impl Studio {
             }
             Command::Mask(command) => self.run_on_mask(command),
             Command::Take(tool) => self.take_tool(tool),
+            // Where no digit chooses a label, 1 is what it is in other programs.
+            Command::Label(1) if !self.tools.tool.paints() => {
+                self.effects.push(Effect::ZoomToPixels);
+            }
             Command::Label(label) => self.act(Action::PaintLabel(label)),
             Command::LargerBrush => {
                 let radius = (self.tools.radius_px * BRUSH_STEP).max(self.tools.radius_px + 0.5);

@@ -173,7 +173,7 @@ impl Studio {
             Tool::Livewire => self.press_wire(photo, at, erases),
             Tool::Flood => self.flood(photo, at, erases),
             Tool::Smart => self.press_smart(photo, sample, erases),
-            Tool::Hand => {}
+            Tool::Depth | Tool::Hand => {}
         }
     }
 

@@ -104,8 +104,11 @@ impl Studio {
 
     /// Opens the dialog of a command that writes trees.
     pub(super) fn ask_where_to_make(&mut self, command: Command) {
-        // Trees are drawn from exemplars that only this workspace prepares.
-        self.go_to(Workspace::Variations);
+        let of_crowns = command == Command::ExportTrees && self.workspace == Workspace::Crown;
+        if !of_crowns {
+            // Trees are drawn from exemplars that only this workspace prepares.
+            self.go_to(Workspace::Variations);
+        }
         self.effects.push(Effect::AskWhatToMake(command));
     }
 

@@ -6,7 +6,7 @@ use super::live::LiveAction;
 use super::mask_action::MaskAction;
 use super::studio::Workspace;
 use super::tools::Tool;
-use crate::document::{Edit, PhotoId, ViewState};
+use crate::document::{CanvasView, Edit, PhotoId, ViewState};
 use crate::jobs::JobId;
 use crate::paint::Sample;
 use std::path::PathBuf;
@@ -59,6 +59,8 @@ pub enum Action {
     UseRuntime(PathBuf),
     /// Looks differently at the project; not undone.
     Look(Box<ViewState>),
+    /// The canvas looks here now; not undone.
+    LookAt(CanvasView),
     /// Shows another photograph.
     ShowPhoto(PhotoId),
     /// Goes to another workspace.

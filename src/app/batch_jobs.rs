@@ -12,7 +12,7 @@ use crate::batch::failure::Failure;
 use crate::batch::output::{Output, Policy};
 use crate::batch::run::{Run, Shard};
 use crate::batch::vary::{PlannedTree, Trees, Vary};
-use crate::batch::{ExportMap, MapName, TextureForm};
+use crate::batch::{ExportMap, ImpostorName, LeafName, MapName, TextureForm};
 use crate::document::PhotoId;
 use crate::export::{LicenseRecord, Preset, SpriteSettings, WindChannels};
 use crate::jobs::{Context, JobError, Priority, Request, Topic};
@@ -42,6 +42,17 @@ pub enum Which {
     Gallery,
     /// The favourites.
     Favourites,
+    /// The crown of the shown photograph.
+    ShownCrown,
+    /// The crowns of all photographs that have one.
+    Crowns,
+}
+
+impl Which {
+    /// Whether crowns are meant, and not pictures of trees.
+    pub fn is_of_crowns(self) -> bool {
+        matches!(self, Self::ShownCrown | Self::Crowns)
+    }
 }
 
 /// What to write.
@@ -76,6 +87,12 @@ pub struct ExportChoice {
     pub textures: Vec<TextureForm>,
     /// Whether all trees are also put on atlas pages.
     pub has_atlas: bool,
+    /// Leaves of crowns.
+    pub leaves: LeafName,
+    /// Impostors of crowns.
+    pub impostors: BTreeSet<ImpostorName>,
+    /// Whether the cubemaps of crowns are also written as OpenEXR.
+    pub exr: bool,
 }
 
 impl Default for BatchSettings {
@@ -100,13 +117,16 @@ impl Default for ExportChoice {
             maps: vec![ExportMap::Normal, ExportMap::Ao],
             textures: Vec::new(),
             has_atlas: false,
+            leaves: LeafName::default(),
+            impostors: [ImpostorName::Full, ImpostorName::Hemisphere].into(),
+            exr: false,
         }
     }
 }
 
 impl ExportChoice {
     /// The settings that `boscage export` has for the same flags.
-    fn settings(&self, out: &Path) -> ExportSettings {
+    pub(super) fn settings(&self, out: &Path) -> ExportSettings {
         let mut maps = self.maps.clone();
         maps.sort_by_key(|map| map.name());
         maps.dedup();
@@ -138,13 +158,12 @@ impl ExportChoice {
                 author: None,
                 license: None,
             },
-            // Of crowns alone; there are none here.
             crowns: CrownExportSettings {
-                impostors: Vec::new(),
+                impostors: self.impostors.iter().copied().collect(),
                 frames: 8,
                 frame_px: 256,
-                exr: false,
-                leaves: crate::batch::export_crown::LeafName::default(),
+                exr: self.exr,
+                leaves: self.leaves,
             },
         }
     }
@@ -160,6 +179,16 @@ struct Batch {
 impl Studio {
     /// Writes trees in a job beside the window.
     pub(super) fn make_batch(&mut self, settings: BatchSettings) {
+        if let (true, Some(choice)) = (settings.which.is_of_crowns(), settings.export.clone()) {
+            let BatchSettings {
+                which,
+                folder,
+                replaces,
+                ..
+            } = settings;
+            self.export_crowns(which, folder, replaces, choice);
+            return;
+        }
         let name = match &settings.export {
             Some(export) => format!("Exporting for {}", export.preset.name()),
             None => "Making trees".to_owned(),
@@ -191,6 +220,7 @@ impl Studio {
             Some(LibraryPicture {
                 path: PathBuf::from(&all.get(id)?.name),
                 bytes: Some(Arc::clone(bytes)),
+                pins: self.document.state().content().pins.get(id).copied(),
             })
         };
         photos.iter().filter_map(picture).collect()
@@ -200,7 +230,7 @@ impl Studio {
         let own = &self.document.state().content().variation;
         let prepared = self.vary.prepared.as_ref()?;
         let cells = match settings.which {
-            Which::Drawn(_) => Vec::new(),
+            Which::Drawn(_) | Which::ShownCrown | Which::Crowns => Vec::new(),
             Which::Gallery => self.vary.gallery.clone(),
             Which::Favourites => self.vary.favourites.clone(),
         };

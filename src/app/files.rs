@@ -7,7 +7,7 @@ use super::act_vary::VaryAction;
 use super::action::Action;
 use super::live::LiveAction;
 use super::mask_action::MaskAction;
-use super::theme::GAP;
+use super::theme::{GAP, dialog};
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::{Duration, Instant};
@@ -192,7 +192,7 @@ impl OwnDialog {
             Purpose::Folder => ("Choose a Folder", "Choose"),
             Purpose::Picture => ("Save Picture", "Save"),
         };
-        let modal = egui::Modal::new(egui::Id::unique("own file dialog")).show(ctx, |ui| {
+        let modal = dialog(ctx, "own file dialog").show(ctx, |ui| {
             ui.set_width(460.0);
             ui.heading(title);
             ui.add_space(GAP);

@@ -10,9 +10,8 @@ use super::outcome::Outcome;
 use super::preferences::Navigation;
 use super::studio::{Severity, Studio};
 use crate::document::{CrownSettings, PhotoId};
-use crate::geometry::Point;
 use crate::jobs::{Context, JobId, Priority, Request, Topic};
-use crate::pipeline::{CrownRequest, LiveCrown, LiveInput, Quality, is_crown};
+use crate::pipeline::{CrownRequest, LiveCrown, LiveInput, Quality, Silhouette, is_crown};
 use crate::raster::{Image, Straight};
 use crate::render::{LeafSet, PreparedCrown, PreparedMesh, RenderSettings};
 use crate::scene::{Backdrop, Camera, Crown, Light};
@@ -48,7 +47,7 @@ impl Drawn {
             Self::Relief => "Relief",
             Self::Leaves => "Leaves",
             Self::Mesh => "Mesh",
-            Self::Wireframe => "Wireframe",
+            Self::Wireframe => "Wires",
         }
     }
 
@@ -113,8 +112,9 @@ pub(super) struct ShownCrown {
     pub(super) surface: Option<(u32, PreparedMesh)>,
     /// The middle of the tree and the radius of a ball around it.
     pub(super) bounds: (DVec3, f64),
-    /// Places along its silhouette, see [`crate::pipeline::LiveResult`].
-    pub(super) silhouette: Arc<[(f64, Point)]>,
+    pub(super) silhouette: Arc<Silhouette>,
+    /// The least and the largest k along the silhouette.
+    pub(super) k: Option<[f64; 2]>,
     /// The labels of its sub-crowns.
     pub(super) sub_crowns: Vec<u8>,
     pub(super) color_version: u64,

@@ -72,6 +72,7 @@ impl Making {
             crown,
             color_version,
             silhouette,
+            k,
             sub_crowns,
         }: LiveResult,
         quality: Quality,
@@ -110,6 +111,7 @@ impl Making {
             surface,
             bounds,
             silhouette,
+            k,
             sub_crowns,
             color_version,
         })

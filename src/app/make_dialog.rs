@@ -4,10 +4,11 @@ use super::act_vary::VaryAction;
 use super::action::Action;
 use super::batch_jobs::{BatchSettings, ExportChoice, Which};
 use super::commands::Command;
-use super::studio::Studio;
-use super::theme::{GAP, TIGHT};
-use crate::batch::{ExportMap, MapName, TextureForm};
+use super::studio::{Studio, Workspace};
+use super::theme::{GAP, TIGHT, dialog};
+use crate::batch::{ExportMap, ImpostorName, LeafName, MapName, TextureForm};
 use crate::export::Preset;
+use clap::ValueEnum as _;
 use egui::{Context, DragValue, Ui, vec2};
 use std::path::PathBuf;
 
@@ -27,13 +28,34 @@ pub(super) struct MakeDialog {
     folder: String,
     /// What the studio's last answer about folders was.
     chosen: Option<PathBuf>,
+    /// How many crowns there are, and whether one of them is shown.
+    crowns: (usize, bool),
+    /// Whether it was opened just now.
+    is_new: bool,
+    /// Whether Enter was pressed in the folder's field.
+    is_entered: bool,
 }
 
 impl MakeDialog {
     /// Opens the dialog of `command`.
-    pub(super) fn open(&mut self, command: Command) {
+    pub(super) fn open(&mut self, command: Command, studio: &Studio) {
         self.is_open = true;
+        self.is_new = true;
         self.is_export = command == Command::ExportTrees;
+        let crowns = studio.crowns();
+        let is_shown = studio.shown().is_some_and(|id| crowns.contains(&id));
+        self.crowns = (crowns.len(), is_shown);
+        let which = &mut self.settings.which;
+        let wants_crowns = self.is_export && studio.workspace() == Workspace::Crown;
+        if wants_crowns && !crowns.is_empty() {
+            *which = if is_shown {
+                Which::ShownCrown
+            } else {
+                Which::Crowns
+            };
+        } else if which.is_of_crowns() {
+            *which = BatchSettings::default().which;
+        }
     }
 
     /// Draws it while it is open.
@@ -48,16 +70,32 @@ impl MakeDialog {
         if !self.is_open {
             return;
         }
-        let modal = egui::Modal::new(egui::Id::unique("make trees")).show(ctx, |ui| {
+        let modal = dialog(ctx, "make trees").show(ctx, |ui| {
             ui.set_width(440.0);
             ui.heading(if self.is_export { "Export" } else { "Make Trees" });
             ui.add_space(TIGHT);
-            self.which(ui, studio);
-            self.place(ui, actions);
             if self.is_export {
-                self.engine(ui);
-            } else {
-                self.pictures(ui);
+                self.crowns(ui);
+            }
+            self.which(ui, studio, actions);
+            self.place(ui, actions);
+            match (self.is_export, self.settings.which.is_of_crowns()) {
+                (true, true) => {
+                    self.engine(ui);
+                    self.of_crowns(ui);
+                }
+                (true, false) => {
+                    self.engine(ui);
+                    self.of_trees(ui);
+                }
+                (false, _) => self.pictures(ui),
+            }
+            if self.is_export {
+                ui.add_space(TIGHT);
+                let readme = self.export.preset.readme();
+                ui.add(egui::Label::new(
+                    egui::RichText::new(readme.lines().next().unwrap_or_default()).weak(),
+                ).wrap());
             }
             row(ui, "", |ui| {
                 ui.checkbox(&mut self.settings.replaces, "Write over what is there")
@@ -73,10 +111,29 @@ impl MakeDialog {
         }
     }
 
-    fn which(&mut self, ui: &mut Ui, studio: &Studio) {
+    /// Which crowns, if crowns.
+    fn crowns(&mut self, ui: &mut Ui) {
+        let (count, is_shown) = self.crowns;
+        let which = &mut self.settings.which;
+        row(ui, "Crowns", |ui| {
+            ui.add_enabled_ui(is_shown, |ui| {
+                ui.selectable_value(which, Which::ShownCrown, "This One")
+                    .on_hover_text("The crown of the photograph on the canvas.")
+                    .on_disabled_hover_text("This photograph has no crown yet: paint its mask.");
+            });
+            ui.add_enabled_ui(count > 0, |ui| {
+                ui.selectable_value(which, Which::Crowns, format!("All ({count})"))
+                    .on_hover_text("The crowns of all photographs that have a mask.")
+                    .on_disabled_hover_text("No photograph has a crown yet: paint a mask.");
+            });
+        });
+    }
+
+    fn which(&mut self, ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
         let vary = &studio.vary;
         let mut which = self.settings.which;
-        row(ui, "Trees", |ui| {
+        let name = if self.is_export { "or trees" } else { "Trees" };
+        row(ui, name, |ui| {
             let is_drawn = matches!(which, Which::Drawn(_));
             if ui
                 .selectable_label(is_drawn, "New")
@@ -102,6 +159,10 @@ impl MakeDialog {
                 });
             }
         });
+        if self.settings.which != which && studio.workspace() != Workspace::Variations {
+            // Trees are drawn from exemplars that only this workspace prepares.
+            actions.push(Action::Workspace(Workspace::Variations));
+        }
         self.settings.which = which;
     }
 
@@ -112,6 +173,11 @@ impl MakeDialog {
                 .desired_width(width)
                 .hint_text("/home/me/trees");
             let field = ui.add(field);
+            if std::mem::take(&mut self.is_new) {
+                field.request_focus();
+            }
+            let is_entered = ui.input(|input| input.key_pressed(egui::Key::Enter));
+            self.is_entered = field.lost_focus() && is_entered;
             let told = self.folder.clone();
             field
                 .widget_info(|| egui::WidgetInfo::text_edit(true, "", &told, "Folder to write to"));
@@ -119,6 +185,9 @@ impl MakeDialog {
                 actions.push(Action::Vary(VaryAction::AskForFolder));
             }
         });
+        if self.settings.which.is_of_crowns() {
+            return;
+        }
         row(ui, "Size", |ui| {
             let size = &mut self.settings.size;
             for side in [512, 1024, 2048] {
@@ -153,19 +222,82 @@ impl MakeDialog {
     }
 
     fn engine(&mut self, ui: &mut Ui) {
+        let of_crowns = self.settings.which.is_of_crowns();
         let export = &mut self.export;
+        if of_crowns && export.preset == Preset::FlightGear {
+            export.preset = Preset::Blender;
+        }
         row(ui, "For", |ui| {
             let choice = egui::ComboBox::from_id_salt("preset");
             let choice = choice.selected_text(title(export.preset)).width(160.0);
             let choice = choice.show_ui(ui, |ui| {
                 for preset in Preset::ALL {
-                    ui.selectable_value(&mut export.preset, preset, title(preset));
+                    let can = !(of_crowns && preset == Preset::FlightGear);
+                    ui.add_enabled_ui(can, |ui| {
+                        ui.selectable_value(&mut export.preset, preset, title(preset))
+                            .on_disabled_hover_text("FlightGear draws trees from pictures.");
+                    });
                 }
             });
             choice.response.widget_info(|| {
                 egui::WidgetInfo::labeled(egui::Role::ComboBox, true, "Who will read it")
             });
         });
+    }
+
+    /// What is made of crowns alone.
+    fn of_crowns(&mut self, ui: &mut Ui) {
+        let export = &mut self.export;
+        row(ui, "Leaves", |ui| {
+            let choice = egui::ComboBox::from_id_salt("leaves");
+            let choice = choice.selected_text(export.leaves.title()).width(160.0);
+            let choice = choice.show_ui(ui, |ui| {
+                for leaves in LeafName::value_variants() {
+                    ui.selectable_value(&mut export.leaves, *leaves, leaves.title());
+                }
+            });
+            choice.response.widget_info(|| {
+                egui::WidgetInfo::labeled(egui::Role::ComboBox, true, "Shape of the leaves")
+            });
+        });
+        row(ui, "Impostors", |ui| {
+            ui.spacing_mut().item_spacing.x = TIGHT;
+            for (form, title, help) in [
+                (
+                    ImpostorName::Full,
+                    "All Round",
+                    "Pictures from every direction, for trees far away.",
+                ),
+                (
+                    ImpostorName::Hemisphere,
+                    "From Above",
+                    "Pictures from the horizon and above: finer, for ground and air.",
+                ),
+            ] {
+                let mut is_on = export.impostors.contains(&form);
+                if ui
+                    .toggle_value(&mut is_on, title)
+                    .on_hover_text(help)
+                    .clicked()
+                {
+                    if is_on {
+                        export.impostors.insert(form);
+                    } else {
+                        export.impostors.remove(&form);
+                    }
+                }
+            }
+        });
+        row(ui, "Cubemaps", |ui| {
+            ui.add_enabled(false, egui::Button::new("PNG, KTX2").selected(true));
+            ui.toggle_value(&mut export.exr, "OpenEXR")
+                .on_hover_text("Linear colours and radii in metres.");
+        });
+    }
+
+    /// What is made of trees alone.
+    fn of_trees(&mut self, ui: &mut Ui) {
+        let export = &mut self.export;
         row(ui, "Height", |ui| {
             let field = DragValue::new(&mut export.height_m).range(0.01..=1000.0);
             let field = ui.add(field.speed(0.1).suffix(" m"));
@@ -189,14 +321,13 @@ impl MakeDialog {
             listed(ui, &mut export.textures, TextureForm::Ktx2, "KTX2");
             ui.checkbox(&mut export.has_atlas, "Atlas pages");
         });
-        ui.add_space(TIGHT);
-        ui.weak(export.preset.readme().lines().next().unwrap_or_default());
     }
 
     fn buttons(&mut self, ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             let folder = self.folder.trim();
-            let is_ready = studio.vary.prepared.is_some();
+            let of_crowns = self.settings.which.is_of_crowns();
+            let is_ready = of_crowns || studio.vary.prepared.is_some();
             let can = !folder.is_empty() && is_ready;
             let verb = if self.is_export { "Export" } else { "Make" };
             let button = ui.add_enabled(can, egui::Button::new(verb));
@@ -205,7 +336,8 @@ impl MakeDialog {
             } else {
                 "The exemplars are being prepared."
             };
-            if button.on_disabled_hover_text(why).clicked() {
+            let is_entered = std::mem::take(&mut self.is_entered) && can;
+            if button.on_disabled_hover_text(why).clicked() || is_entered {
                 let export = self.is_export.then(|| self.export.clone());
                 let settings = BatchSettings {
                     folder: PathBuf::from(folder),
@@ -248,6 +380,20 @@ fn listed<T: PartialEq>(ui: &mut Ui, list: &mut Vec<T>, value: T, title: &str) {
             list.push(value);
         } else {
             list.retain(|listed| *listed != value);
+        }
+    }
+}
+
+impl LeafName {
+    fn title(self) -> &'static str {
+        match self {
+            Self::Ovate => "Egg-shaped: birch, apple",
+            Self::Round => "Round: aspen, lime",
+            Self::Lobed => "Lobed: oak",
+            Self::Palmate => "Palmate: maple",
+            Self::Lance => "Narrow: willow",
+            Self::Brush => "Short needles: spruce",
+            Self::Tuft => "Long needles: pine",
         }
     }
 }

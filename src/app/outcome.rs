@@ -15,7 +15,7 @@ use crate::segment::{Segmenter as _, standard};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, PoisonError};
-use std::time::{Instant, SystemTime, UNIX_EPOCH};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 /// What a job gives back.
 pub(super) enum Outcome {
@@ -215,7 +215,9 @@ impl Studio {
         self.autosave_clock = store::AutosaveClock::default();
         self.autosave_clock
             .wrote(self.document.snapshot().revision());
-        self.effects.push(Effect::ZoomToFit);
+        if self.document.view().canvas.is_none() {
+            self.effects.push(Effect::ZoomToFit);
+        }
         self.changed();
     }
 
@@ -405,18 +407,21 @@ impl Studio {
     }
 
     fn autosave_if_due(&mut self) {
-        if self.document.is_in_gesture() || !self.document.is_dirty() {
-            return;
-        }
-        let snapshot = self.document.snapshot();
-        if self
-            .autosave_clock
-            .is_due(snapshot.revision(), Instant::now())
-        {
+        if self.autosave_due_in() == Some(Duration::ZERO) {
+            let snapshot = self.document.snapshot();
             // Not again before the next change, even when this one fails: the user is told.
             self.autosave_clock.wrote(snapshot.revision());
             self.write_autosave(snapshot, None);
         }
+    }
+
+    /// How long until an autosave is due; nothing when all is safe, or the hand is down.
+    pub(super) fn autosave_due_in(&mut self) -> Option<Duration> {
+        if self.document.is_in_gesture() || !self.document.is_dirty() {
+            return None;
+        }
+        let revision = self.document.revision();
+        self.autosave_clock.due_in(revision, Instant::now())
     }
 
     /// Writes an autosave; then throws `replaced` away, which it stands for.

@@ -3,7 +3,7 @@
 use super::action::Action;
 use super::commands::{Command, Row, TABLE};
 use super::studio::Studio;
-use super::theme::{TIGHT, tokens};
+use super::theme::{TIGHT, dialog, tokens};
 use egui::{Context, Key, RichText};
 
 /// The palette, open or closed.
@@ -35,7 +35,7 @@ impl Palette {
         self.selected = self.selected.saturating_sub(steps(Key::ArrowUp));
         self.selected = self.selected.min(found.len().saturating_sub(1));
         let mut chosen = None;
-        let modal = egui::Modal::new(egui::Id::unique("palette")).show(ctx, |ui| {
+        let modal = dialog(ctx, "palette").show(ctx, |ui| {
             ui.set_width(520.0);
             let field = egui::TextEdit::singleline(&mut self.text)
                 .desired_width(f32::INFINITY)

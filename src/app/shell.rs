@@ -8,13 +8,13 @@ use super::make_dialog::MakeDialog;
 use super::panels::Panels;
 use super::preferences::Preferences;
 use super::studio::{Effect, Next, Question, Severity, Studio, Workspace};
-use super::theme::{self, GAP, TIGHT, tokens};
+use super::theme::{self, GAP, TIGHT, dialog, tokens};
 use super::{palette, shortcut_sheet, start, tour};
 use crate::segment::Runtime;
 use egui::{Context, RichText, Ui, ViewportCommand};
 use std::io::Write as _;
 use std::path::PathBuf;
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 /// The studio cannot be shown.
 #[derive(Debug, thiserror::Error)]
@@ -82,6 +82,8 @@ pub struct Shell {
     title: String,
     /// Whether [`TRACE`] is set.
     traces_frames: bool,
+    /// When the frame in progress began.
+    frame_begun: Instant,
     /// What draws, for *About*.
     adapter: String,
 }
@@ -132,6 +134,7 @@ impl Shell {
             tour: tour::Tour::default(),
             title: String::new(),
             traces_frames: std::env::var_os(TRACE).is_some(),
+            frame_begun: Instant::now(),
             adapter,
         }
     }
@@ -146,6 +149,11 @@ impl Shell {
         &mut self.studio
     }
 
+    /// Whether the 3D view shows the finished crown as finely as it will.
+    pub fn view_is_final(&self) -> bool {
+        self.studio.crown_is_final() && self.panels.view_is_final()
+    }
+
     fn perform(&mut self, effect: Effect, ctx: &Context) {
         match effect {
             Effect::AskWhatToOpen => self.dialogs.ask(Purpose::Open, ctx),
@@ -157,7 +165,7 @@ impl Shell {
                 self.panels.perform(&effect);
             }
             Effect::AskForFolder => self.dialogs.ask(Purpose::Folder, ctx),
-            Effect::AskWhatToMake(command) => self.make_dialog.open(command),
+            Effect::AskWhatToMake(command) => self.make_dialog.open(command, &self.studio),
             Effect::AskWhereToSavePicture => self.dialogs.ask(Purpose::Picture, ctx),
             Effect::RestoreLayout => self.layouts = Layouts::default(),
             Effect::TogglePalette => self.palette.toggle(),
@@ -213,6 +221,7 @@ impl Shell {
 
 impl eframe::App for Shell {
     fn logic(&mut self, ctx: &Context, _frame: &mut eframe::Frame) {
+        self.frame_begun = Instant::now();
         self.studio.take_outcomes();
         if ctx.input(|input| input.viewport().close_requested()) && self.studio.may_not_close() {
             ctx.send_viewport_cmd(ViewportCommand::CancelClose);
@@ -226,8 +235,8 @@ impl eframe::App for Shell {
             self.studio.look_at_file();
         }
         // An autosave is due even when nobody touches anything; nothing else needs the time.
-        if self.studio.document().is_dirty() {
-            ctx.request_repaint_after(Duration::from_secs(5));
+        if let Some(wait) = self.studio.autosave_due_in() {
+            ctx.request_repaint_after(wait);
         }
     }
 
@@ -250,15 +259,15 @@ impl eframe::App for Shell {
         }
         self.draw(ui, &mut actions);
         self.draw_over(&ctx, &mut actions);
-        if self.traces_frames {
-            trace_frame(&ctx);
-        }
         let did_something = !actions.is_empty();
         for action in actions {
             self.studio.act(action);
         }
         for effect in std::mem::take(&mut self.studio.effects) {
             self.perform(effect, &ctx);
+        }
+        if self.traces_frames {
+            trace_frame(&ctx, self.frame_begun.elapsed());
         }
         if did_something {
             // What was done is seen in the next frame.
@@ -272,15 +281,16 @@ impl eframe::App for Shell {
     }
 }
 
-/// Tells when a frame was drawn, in microseconds since 1970, and how much input it saw: for scripts
-/// that measure how soon the window answers.
-fn trace_frame(ctx: &Context) {
+/// Tells when a frame was made, in microseconds since 1970, how much input it saw and how many
+/// microseconds it took: for scripts that measure how soon the window answers.
+fn trace_frame(ctx: &Context, took: Duration) {
     let now = SystemTime::now()
         .duration_since(UNIX_EPOCH)
         .unwrap_or_default();
     let events = ctx.input(|input| input.events.len());
     // Nobody may listen.
-    let _ = writeln!(std::io::stderr(), "frame {} {events}", now.as_micros());
+    let (now, took) = (now.as_micros(), took.as_micros());
+    let _ = writeln!(std::io::stderr(), "frame {now} {events} {took}");
 }
 
 /// The panels of the present workspace.
@@ -488,7 +498,7 @@ fn ask(ctx: &Context, question: &Question, actions: &mut Vec<Action>) {
             ("The file has changed", text, "Save As…", "Write Over")
         }
     };
-    let modal = egui::Modal::new(egui::Id::unique("question")).show(ctx, |ui| {
+    let modal = dialog(ctx, "question").show(ctx, |ui| {
         ui.set_width(420.0);
         ui.heading(heading);
         ui.add_space(TIGHT);
@@ -512,7 +522,7 @@ fn ask(ctx: &Context, question: &Question, actions: &mut Vec<Action>) {
 }
 
 fn about(ctx: &Context, adapter: &str, is_open: &mut bool) {
-    let modal = egui::Modal::new(egui::Id::unique("about")).show(ctx, |ui| {
+    let modal = dialog(ctx, "about").show(ctx, |ui| {
         ui.set_width(380.0);
         ui.heading("Boscage");
         ui.label(format!("Version {}", env!("CARGO_PKG_VERSION")));

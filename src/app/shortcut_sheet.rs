@@ -1,11 +1,11 @@
 //! All keys on one page.
 
 use super::commands::{Menu, TABLE};
-use super::theme::{GAP, tokens};
+use super::theme::{GAP, dialog, tokens};
 use egui::{Context, RichText};
 
 pub(super) fn show(ctx: &Context, is_open: &mut bool) {
-    let modal = egui::Modal::new(egui::Id::unique("shortcuts")).show(ctx, |ui| {
+    let modal = dialog(ctx, "shortcuts").show(ctx, |ui| {
         ui.set_width(720.0);
         ui.heading("Keyboard Shortcuts");
         ui.add_space(GAP);

@@ -90,6 +90,32 @@ pub(super) const OUTSIDE: Color32 = Color32::from_rgb(255, 96, 96);
 /// Pins and baseline.
 pub(super) const PIN: Color32 = Color32::from_rgb(255, 214, 64);
 
+/// Colours of a value from 0 to 1, dark blue to yellow: even steps to the eye, and readable without
+/// seeing red from green (after *viridis* by S. van der Walt and N. Smith).
+const HEAT: [[f32; 3]; 6] = [
+    [68.0, 1.0, 84.0],
+    [65.0, 68.0, 135.0],
+    [42.0, 120.0, 142.0],
+    [34.0, 168.0, 132.0],
+    [122.0, 209.0, 81.0],
+    [253.0, 231.0, 37.0],
+];
+
+/// The colour of `share`; what is no number is grey.
+pub(super) fn heat(share: f32) -> Color32 {
+    if share.is_nan() {
+        return Color32::GRAY;
+    }
+    let at = share.clamp(0.0, 1.0) * (HEAT.len() - 1) as f32;
+    let first = (at as usize).min(HEAT.len() - 2);
+    let part = at - first as f32;
+    let [r, g, b] = [0, 1, 2].map(|c| {
+        let (from, to) = (HEAT[first][c], HEAT[first + 1][c]);
+        (from + (to - from) * part).round() as u8
+    });
+    Color32::from_rgb(r, g, b)
+}
+
 const DARK: Tokens = Tokens {
     ground: Color32::from_rgb(24, 25, 26),
     panel: Color32::from_rgb(36, 37, 39),
@@ -141,6 +167,12 @@ pub(super) fn tokens(ui: &egui::Ui) -> &'static Tokens {
     } else {
         &LIGHT
     }
+}
+
+/// A dialog over the window, with room around what it holds.
+pub(super) fn dialog(ctx: &egui::Context, name: &str) -> egui::Modal {
+    let frame = egui::Frame::popup(&ctx.global_style()).inner_margin(Margin::same(16));
+    egui::Modal::new(egui::Id::unique(name)).frame(frame)
 }
 
 /// Gives both themes to `ctx`.

@@ -18,25 +18,33 @@ pub enum Tool {
     Flood,
     /// Finds the outline between strokes inside and strokes outside.
     Smart,
+    /// Drags handles on the silhouette: how deep the crown is there.
+    Depth,
     /// Moves the picture.
     Hand,
 }
 
 impl Tool {
     /// In the order of the tool column.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Brush,
         Self::Lasso,
         Self::Polygon,
         Self::Livewire,
         Self::Flood,
         Self::Smart,
+        Self::Depth,
         Self::Hand,
     ];
 
     /// Whether the brush's size matters to it.
     pub fn has_size(self) -> bool {
         matches!(self, Self::Brush | Self::Smart)
+    }
+
+    /// Whether it changes labels.
+    pub fn paints(self) -> bool {
+        !matches!(self, Self::Depth | Self::Hand)
     }
 }
 
@@ -140,17 +148,19 @@ pub enum Overlay {
     Pins,
     /// The row where the crown begins.
     Baseline,
+    /// k all over the crown, in colours.
+    Heat,
 }
 
 /// Which overlays are shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Overlays {
-    shown: [bool; 5],
+    shown: [bool; 6],
 }
 
 impl Default for Overlays {
     fn default() -> Self {
-        let mut overlays = Self { shown: [false; 5] };
+        let mut overlays = Self { shown: [false; 6] };
         overlays.toggle(Overlay::Tint);
         overlays
     }

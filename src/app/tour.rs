@@ -34,8 +34,8 @@ const STEPS: [Step; 6] = [
     },
     Step {
         heading: "Shape and relief",
-        text: "On the right you set how deep the crown is and how rough its surface. Drag a value, or \
-               type one; a double click puts it back.",
+        text: "On the right you set how deep the crown is and how rough its surface. Or press K and drag \
+               the crown's outline itself: outwards is deeper. A double click puts a value back.",
         workspace: Workspace::Crown,
     },
     Step {

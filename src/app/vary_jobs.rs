@@ -100,12 +100,15 @@ impl Studio {
         let mut stamp = Hasher::new("exemplars");
         let (mut pictures, mut ids) = (Vec::new(), Vec::new());
         for (&id, photo) in photos {
+            let pins = self.document.state().content().pins.get(&id).copied();
             stamp = stamp.with(&id.0.to_le_bytes()).with(photo.digest.bytes());
+            stamp = stamp.with(format!("{pins:?}").as_bytes());
             if let Some(bytes) = self.document.photo_bytes(id) {
                 ids.push(id);
                 pictures.push(LibraryPicture {
                     path: PathBuf::from(&photo.name),
                     bytes: Some(Arc::clone(bytes)),
+                    pins,
                 });
             }
         }

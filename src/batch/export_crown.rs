@@ -27,7 +27,7 @@ const LAST: &str = "color_px.png";
 
 /// Directions of an impostor's frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
-pub(crate) enum ImpostorName {
+pub enum ImpostorName {
     /// From all around
     Full,
     /// From the horizon and above
@@ -36,7 +36,7 @@ pub(crate) enum ImpostorName {
 
 /// Leaves of a crown's cards.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
-pub(crate) enum LeafName {
+pub enum LeafName {
     /// Egg-shaped: birch, apple
     #[default]
     Ovate,

@@ -6,8 +6,9 @@
 //! seed give the same bytes, whoever asks.
 //!
 //! Imports `base`, `raster`, `geometry`, `contour`, `segment`, `branches`, `variation`, `scene`,
-//! `pipeline`, `render` (for its errors), `export`, `sheet`.
+//! `crown`, `pipeline`, `render` (for its errors), `export`, `sheet`.
 
+pub(crate) mod crown;
 pub(crate) mod export;
 pub(crate) mod export_crown;
 mod export_pages;
@@ -27,5 +28,6 @@ pub(crate) mod sheets;
 mod stamp;
 pub(crate) mod vary;
 
+pub use export_crown::{ImpostorName, LeafName};
 pub use export_tree::{ExportMap, ModelTextures, TextureForm};
 pub use vary::MapName;

@@ -2,7 +2,7 @@
 
 use super::failure::Failure;
 use crate::base::{Seed, read_limited};
-use crate::contour::PinnedContour;
+use crate::contour::{HandPins, PinnedContour};
 use crate::geometry::Point;
 use crate::segment::{Classical, Segmenter, Source};
 use crate::variation::{Chosen, Distortion, ExemplarSettings, Library, SeasonSettings};
@@ -92,6 +92,9 @@ pub(crate) struct ExemplarRecord {
     /// Who told its crown from its trunk.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) labels: Option<Source>,
+    /// The pins that were set in it by hand.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) pins: Option<HandPins>,
 }
 
 /// The season that a tree was put into.
@@ -147,6 +150,7 @@ impl TreeRecord {
                 file,
                 digest: entry.digest.to_string(),
                 labels: Some(entry.provenance.source),
+                pins: entry.pins,
             }
         };
         Self {

@@ -310,6 +310,7 @@ impl Like {
                 file: picture.path.display().to_string(),
                 digest: library.entries()[0].digest.to_string(),
                 labels: Some(library.entries()[0].provenance.source),
+                pins: None,
             },
             palette: Palette::of_exemplar(&exemplar),
         })

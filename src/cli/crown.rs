@@ -2,15 +2,15 @@
 
 use super::failure::Failure;
 use super::input::{PictureFile, grey, mask_from};
-use super::output::recipe;
 use super::regions::{Region, region_masks, regions_from};
 use super::segmenter::{SegmenterFlags, failed, provenance_json};
 use super::session::Session;
 use super::{Job, Stages};
-use crate::base::{Digest, Seed, read_limited};
+use crate::base::{Digest, Seed};
+use crate::batch::crown::{CrownRecipe, crown_record};
 use crate::batch::records::SegmenterRecord;
 use crate::crown::{SubCrown, Tangent, relief};
-use crate::export::{CROWN_RECORD, CrownRecord, crown_file_names, crown_files};
+use crate::export::{CrownRecord, crown_file_names};
 use crate::pipeline::{CrownError, CrownSettings, crown, crown_of_regions};
 use crate::raster::{Compression, Image, Mask, Straight, encode_grey16_png, opaque_bounds};
 use crate::scene::Crown;
@@ -18,7 +18,6 @@ use crate::segment::{
     Label, Provenance, Segmented, Segmenter, Source, crown_count, grey_from_labels,
 };
 use clap::Args;
-use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -84,26 +83,6 @@ pub(super) struct Flags {
 /// What `--dump` writes.
 const RELIEF_FILE: &str = "relief.png";
 
-/// What a crown was made from; stands in its `crown.json` as `recipe`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-struct Recipe {
-    photo: String,
-    photo_digest: String,
-    /// The mask's file; none where the crown was found.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    mask: Option<String>,
-    /// Digest of that file, or of the mask that was found.
-    mask_digest: String,
-    /// What found the crown.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    segmenter: Option<SegmenterRecord>,
-    seed: u64,
-    settings: CrownSettings,
-    /// Which greys of the mask are inflated by themselves; none: all of it at once.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    regions: Vec<Region>,
-}
-
 impl Job for Flags {
     fn stages(&self) -> Stages {
         &[
@@ -125,11 +104,11 @@ impl Job for Flags {
         session.output.check(paths.iter().chain(&relief_file))?;
         let inputs = self.inputs(session)?;
         let digest = inputs.recipe.digest();
-        let record = kept(session, folder, &paths, digest);
+        let record = inputs.recipe.kept(folder, &session.output);
         let is_kept = record.is_some();
         let record = match record {
             Some(record) => record,
-            None => inputs.made(session, folder, digest)?,
+            None => inputs.made(session, folder)?,
         };
         if let Some(file) = &relief_file {
             inputs.dump(session, file, digest)?;
@@ -154,7 +133,7 @@ impl Job for Flags {
 struct Inputs {
     photo: PictureFile,
     mask: CrownMask,
-    recipe: Recipe,
+    recipe: CrownRecipe,
     /// Where the regions stand, if they were typed.
     regions_file: Option<PathBuf>,
 }
@@ -182,7 +161,7 @@ impl Flags {
             }
         };
         drop(stage);
-        let recipe = Recipe {
+        let recipe = CrownRecipe {
             photo: photo_path.display().to_string(),
             photo_digest: photo.digest().to_string(),
             mask: self.mask.as_ref().map(|path| path.display().to_string()),
@@ -203,8 +182,8 @@ impl Flags {
     /// The inputs that the `crown.json` at `path` names, which must not have changed.
     fn inputs_again(&self, path: &Path, session: &Session<'_>) -> Result<Inputs, Failure> {
         let refused = |reason: String| Failure::of(path.display(), reason);
-        let record = record_at(path)?;
-        let recipe: Recipe = serde_json::from_value(record.recipe)
+        let record = crown_record(path)?;
+        let recipe: CrownRecipe = serde_json::from_value(record.recipe)
             .map_err(|error| refused(format!("its recipe is not known: {error}")))?;
         recipe
             .settings
@@ -336,71 +315,14 @@ impl CrownMask {
     }
 }
 
-/// The record in a `crown.json`.
-fn record_at(path: &Path) -> Result<CrownRecord, Failure> {
-    /// Far more than any record.
-    const LARGEST_BYTES: u64 = 1 << 24;
-    let bytes = read_limited(path, LARGEST_BYTES)?;
-    CrownRecord::read(&bytes).map_err(|error| Failure::of(path.display(), error))
-}
-
-impl Recipe {
-    /// The digest of all that goes into the files; where the inputs lie has no part in it.
-    fn digest(&self) -> Digest {
-        let settings = serde_json::to_vec(&self.settings)
-            .unwrap_or_else(|_| unreachable!("settings hold numbers only"));
-        let regions = serde_json::to_vec(&self.regions)
-            .unwrap_or_else(|_| unreachable!("regions hold numbers and formulas"));
-        recipe("crown")
-            .with(&regions)
-            .with(self.photo_digest.as_bytes())
-            .with(self.mask_digest.as_bytes())
-            .with(&self.seed.to_le_bytes())
-            .with(&settings)
-            .finish()
-    }
-}
-
-/// The record of the crown in `folder` when `--resume` was given and it is what would be made.
-fn kept(
-    session: &Session<'_>,
-    folder: &Path,
-    paths: &[PathBuf],
-    digest: Digest,
-) -> Option<CrownRecord> {
-    let is_picture = |path: &&PathBuf| path.extension().is_some_and(|ending| ending == "png");
-    let pictures = paths.iter().filter(is_picture);
-    let ready = pictures
-        .clone()
-        .all(|path| session.output.is_ready(path, digest));
-    if !ready || !paths.iter().all(|path| path.is_file()) {
-        return None;
-    }
-    let record = record_at(&folder.join(CROWN_RECORD)).ok()?;
-    let recipe: Recipe = serde_json::from_value(record.recipe.clone()).ok()?;
-    (recipe.digest() == digest).then_some(record)
-}
-
 impl Inputs {
-    /// Makes the crown and writes it: nothing before all of it is there, the record last.
-    fn made(
-        &self,
-        session: &Session<'_>,
-        folder: &Path,
-        digest: Digest,
-    ) -> Result<CrownRecord, Failure> {
+    /// Makes the crown and writes it.
+    fn made(&self, session: &Session<'_>, folder: &Path) -> Result<CrownRecord, Failure> {
         let crown = self.crown(session)?;
-        let recipe: Value = json!(self.recipe);
-        let stage = session.progress.stage("write", 2);
-        let record = CrownRecord::new(&crown, recipe.clone());
-        let files = crown_files(&crown, recipe, session.cancel)
-            .map_err(|error| Failure::of_crown_files(self.photo.path().display(), &error))?;
-        stage.advance();
-        let files = files.into_iter();
-        let files = files.map(|(name, bytes)| (folder.join(name), bytes));
-        session
-            .output
-            .write_items(files.collect(), digest, session.cancel)?;
+        let stage = session.progress.stage("write", 1);
+        let what = self.photo.path().display().to_string();
+        let (output, cancel) = (&session.output, session.cancel);
+        let record = self.recipe.write(&crown, folder, output, &what, cancel)?;
         stage.advance();
         Ok(record)
     }
@@ -424,7 +346,7 @@ impl Inputs {
 
     fn crown(&self, session: &Session<'_>) -> Result<Crown, Failure> {
         let (photo, image) = (self.photo.decoded()?, self.mask.picture()?);
-        let Recipe { seed, settings, .. } = &self.recipe;
+        let CrownRecipe { seed, settings, .. } = &self.recipe;
         let (seed, progress, cancel) = (Seed(*seed), session.progress, session.cancel);
         let made = if self.recipe.regions.is_empty() {
             crown(&photo, &mask_from(&image), settings, seed, progress, cancel)

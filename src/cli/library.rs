@@ -1,9 +1,7 @@
 //! Folders of tree pictures: which files, where prepared exemplars are kept, what is wrong.
 
 use super::failure::Failure;
-use super::session::Session;
-use crate::segment::Segmenter;
-use crate::variation::{ExemplarSettings, Library, LibraryPicture};
+use crate::variation::LibraryPicture;
 use clap::Args;
 use std::path::{Path, PathBuf};
 
@@ -76,26 +74,12 @@ fn entry_is_hidden(path: &Path) -> bool {
     name.as_encoded_bytes().starts_with(b".")
 }
 
-/// Opens the pictures in `files` as a library, warning of those that cannot be used.
-///
-/// # Errors
-/// As [`crate::batch::library::opened`].
-pub(super) fn opened<'a>(
-    files: &[PathBuf],
-    settings: ExemplarSettings,
-    segmenter: &'a dyn Segmenter,
-    cache: Option<&Path>,
-    session: &Session<'_>,
-) -> Result<Library<'a>, Failure> {
-    let pictures = pictures(files);
-    crate::batch::library::opened(&pictures, settings, segmenter, cache, session)
-}
-
 /// The pictures that lie in `files`.
 pub(super) fn pictures(files: &[PathBuf]) -> Vec<LibraryPicture> {
     let of_file = |path: &PathBuf| LibraryPicture {
         path: path.clone(),
         bytes: None,
+        pins: None,
     };
     files.iter().map(of_file).collect()
 }

@@ -7,37 +7,20 @@ use super::failure::Failure;
 use super::input::grey;
 use super::session::Session;
 use crate::base::read_limited;
-use crate::crown::{Tangent, labelled_regions};
+pub(super) use crate::batch::crown::{Region, usual_k};
+use crate::crown::labelled_regions;
 use crate::raster::{Image, Mask, Straight};
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::Path;
 
 /// The largest file of settings that is read.
 const LARGEST_BYTES: u64 = 1 << 20;
 
-/// One region.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct Region {
-    /// Its grey value in the mask.
-    pub(super) label: u8,
-    #[serde(default = "usual_k")]
-    pub(super) k: Tangent,
-    /// How far it is shifted towards the viewer, pixels of the mask as it is inflated.
-    #[serde(default)]
-    pub(super) depth_px: f64,
-}
-
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct RegionsFile {
     regions: Vec<Region>,
-}
-
-/// The k of a mask or region of which nobody says more.
-pub(super) fn usual_k() -> Tangent {
-    Tangent::Constant(2.0)
 }
 
 /// The regions that the file at `path` names: one at least, their depths numbers.

@@ -1,11 +1,12 @@
 //! `boscage vary --recipe library.json#tree_0003`: one tree again, from its record.
 
 use super::failure::Failure;
-use super::library::{opened, pictures};
+use super::library::pictures;
 use super::records::{LibraryRecord, TreeRecord};
 use super::session::Session;
 use super::vary::Flags;
 use crate::batch::vary::{Like, Outputs, make_tree};
+use crate::contour::HandPins;
 use crate::segment::Segmenter;
 use crate::variation::{Chosen, Library, Part, Shape, TreeMaker};
 use serde_json::json;
@@ -55,8 +56,12 @@ pub(super) fn run(
         .recorded(&record.segmenter, file, session.cancel)?;
     let segmenter = segmenter.as_ref();
     let cache = flags.cache.folder();
-    let library = opened(
-        &paths,
+    let mut exemplars = pictures(&paths);
+    for (picture, recorded) in exemplars.iter_mut().zip(&tree.exemplars) {
+        picture.pins = recorded.pins.filter(HandPins::is_sound);
+    }
+    let library = crate::batch::library::opened(
+        &exemplars,
         record.settings,
         segmenter,
         cache.as_deref(),

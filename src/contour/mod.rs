@@ -14,4 +14,4 @@ mod pins;
 
 pub use outline::{Outline, Outlines, filled, outlines};
 pub use pinned::{CROWN_SHARE, FOOT_SHARE, PinnedContour, TRUNK_SHARE};
-pub use pins::{Pins, pins};
+pub use pins::{HandPins, Pins, pins};

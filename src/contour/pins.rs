@@ -30,6 +30,56 @@ impl Pins {
     }
 }
 
+/// Pins that somebody set by hand, where the segmenter erred: shares of the sides of the picture, 0 … 1
+/// from left and top.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct HandPins {
+    /// B.
+    pub bottom: [f64; 2],
+    /// L.
+    pub left: [f64; 2],
+    /// R.
+    pub right: [f64; 2],
+}
+
+impl HandPins {
+    /// Whether all lie in the picture.
+    pub fn is_sound(&self) -> bool {
+        let all = [self.bottom, self.left, self.right];
+        all.as_flattened()
+            .iter()
+            .all(|share| (0.0..=1.0).contains(share))
+    }
+
+    /// The points of `contour`, which runs counter-clockwise as seen on screen in a square picture of
+    /// `size` pixels, that are nearest to them. L and R change places where a walk from B meets L
+    /// first; two pins at one point are a tree without a trunk.
+    ///
+    /// # Panics
+    /// When `contour` is empty.
+    pub fn on(&self, contour: &[Point], size: f64) -> Pins {
+        let nearest = |[x, y]: [f64; 2]| {
+            let place = Point::new(x, y) * size;
+            let distance = |i: &usize| contour[*i].distance_squared(place);
+            let nearest = (0..contour.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+            nearest.expect("a contour has points")
+        };
+        let bottom = nearest(self.bottom);
+        let from_bottom = |i: usize| (i + contour.len() - bottom) % contour.len();
+        let mut sides = [nearest(self.right), nearest(self.left)];
+        sides.sort_by_key(|side| from_bottom(*side));
+        let [right, left] = sides;
+        if right == bottom || left == right {
+            return Pins::without_trunk(bottom);
+        }
+        Pins {
+            bottom,
+            left,
+            right,
+        }
+    }
+}
+
 /// The pins of `contour`, which runs counter-clockwise as seen on screen.
 ///
 /// B is the lowest point (of several the median one); L and R are the first points at or above the
@@ -153,6 +203,32 @@ mod tests {
         assert_eq!(contour[pins.right], Point::new(4.0, 2.0));
         assert_eq!(contour[pins.left], Point::new(1.0, 2.0));
         assert!(pins.has_trunk());
+    }
+
+    #[test]
+    fn pins_set_by_hand_are_the_nearest_points_in_their_order() {
+        let contour = mushroom();
+        let by_hand = HandPins {
+            bottom: [0.25, 0.49],
+            left: [0.42, 0.21],
+            right: [0.08, 0.2],
+        };
+        // L and R were taken for one another.
+        let pins = by_hand.on(&contour, 10.0);
+        assert_eq!(contour[pins.bottom], Point::new(3.0, 5.0));
+        assert_eq!(contour[pins.right], Point::new(4.0, 2.0));
+        assert_eq!(contour[pins.left], Point::new(1.0, 2.0));
+        let together = HandPins {
+            left: by_hand.right,
+            ..by_hand
+        };
+        assert!(!together.on(&contour, 10.0).has_trunk());
+        assert!(by_hand.is_sound());
+        let outside = HandPins {
+            bottom: [0.2, f64::NAN],
+            ..by_hand
+        };
+        assert!(!outside.is_sound());
     }
 
     #[test]

@@ -10,7 +10,7 @@
 //! allowed, the mean of the least one above it and the greatest one below it is the nearest in the
 //! largest difference (McShane 1934).
 
-use crate::raster::{CubeFace, Cubemap, cube_upper_envelope};
+use crate::raster::{CubeCones, Cubemap, per_face};
 
 /// `radius`, positive, changed where it rises or falls by more than `steepest` of itself for each radian
 /// between directions; elsewhere it stays.
@@ -25,20 +25,22 @@ use crate::raster::{CubeFace, Cubemap, cube_upper_envelope};
 /// assert!((gentle.face(CubeFace::NegX).at(8, 8) - 1.0).abs() < 1e-6);
 /// ```
 pub fn without_steep_walls(radius: &Cubemap<f32>, steepest: f64) -> Cubemap<f32> {
-    let logarithm = radius.map(|&radius| libm::logf(radius));
-    let above = cube_upper_envelope(&logarithm, steepest as f32);
-    let below = cube_upper_envelope(&logarithm.map(|value| -value), steepest as f32);
-    let mut gentle = radius.clone();
-    for face in CubeFace::ALL {
+    let logarithm = per_face(|face| radius.face(face).map(|&radius| libm::logf(radius)));
+    let cones = CubeCones::new(radius.size(), steepest as f32);
+    let (above, below) = rayon::join(
+        || cones.above(&logarithm),
+        || cones.above(&logarithm.map(|value| -value)),
+    );
+    per_face(|face| {
+        let mut gentle = radius.face(face).clone();
         let bounds = above.face(face).pixels().iter();
         let bounds = bounds.zip(below.face(face).pixels());
-        let texels = gentle.face_mut(face).pixels_mut().iter_mut();
-        for (radius, (&above, &below)) in texels.zip(bounds) {
+        for (radius, (&above, &below)) in gentle.pixels_mut().iter_mut().zip(bounds) {
             // Equal where nothing is too steep; then not even rounding changes it.
             if above > -below {
                 *radius = libm::expf((above - below) / 2.0);
             }
         }
-    }
-    gentle
+        gentle
+    })
 }

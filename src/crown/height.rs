@@ -6,7 +6,7 @@
 use super::luminance::{Stretch, luminance};
 use super::pyramid::{ReliefSettings, summed};
 use crate::base::{Cancel, Cancelled};
-use crate::raster::{CubeFace, Cubemap, Straight, cube_upper_envelope, smoothed_cubemap};
+use crate::raster::{CubeFace, Cubemap, Straight, cube_upper_envelope, per_face, smoothed_cubemap};
 
 /// Share of the texels at either end that may be flattened to 0 or 1.
 const TAIL: f64 = 0.01;
@@ -71,18 +71,19 @@ pub fn radius_with_relief(
 ) -> Cubemap<f32> {
     let factor = |height: f32| 1.0 + rho as f32 * (height - 0.5);
     let factors = if base.size() == height.size() {
-        height.map(|&height| factor(height))
+        per_face(|face| height.face(face).map(|&height| factor(height)))
     } else {
         Cubemap::from_directions(base.size(), |direction| factor(height.sampled(direction)))
     };
-    let mut radius = cube_upper_envelope(&factors, steepest as f32);
-    for (face, base) in CubeFace::ALL.into_iter().zip(base.faces()) {
-        let texels = radius.face_mut(face).pixels_mut().iter_mut();
-        for (factor, base) in texels.zip(base.pixels()) {
-            *factor *= base;
+    let factors = cube_upper_envelope(&factors, steepest as f32);
+    per_face(|face| {
+        let mut radius = base.face(face).clone();
+        let texels = radius.pixels_mut().iter_mut();
+        for (radius, factor) in texels.zip(factors.face(face).pixels()) {
+            *radius *= factor;
         }
-    }
-    radius
+        radius
+    })
 }
 
 #[cfg(test)]

@@ -44,6 +44,9 @@ pub(super) fn farthest(
 /// A vertex in the frame of a face.
 struct Corner {
     point: DVec3,
+    /// Where its ray goes through the face's plane; without meaning behind the centre.
+    place: [f64; 2],
+    length_squared: f64,
     /// Which of the four planes of the face's pyramid it lies outside of.
     outside: u8,
 }
@@ -53,7 +56,13 @@ impl Corner {
         let DVec3 { x, y, z } = point;
         let bits = [x > z, -x > z, y > z, -y > z];
         let outside = bits.iter().fold(0, |code, &bit| code << 1 | u8::from(bit));
-        Self { point, outside }
+        let place = if z > 0.0 { [x / z, y / z] } else { [0.0; 2] };
+        Self {
+            point,
+            place,
+            length_squared: point.length_squared(),
+            outside,
+        }
     }
 }
 
@@ -61,10 +70,10 @@ fn fill(image: &mut Image<f32>, corners: [&Corner; 3]) {
     if corners[0].outside & corners[1].outside & corners[2].outside != 0 {
         return;
     }
-    let points = corners.map(|corner| corner.point);
-    let Some([left, right, top, bottom]) = texel_bounds(&points, image.width()) else {
+    let Some([left, right, top, bottom]) = texel_bounds(corners, image.width()) else {
         return;
     };
+    let points = corners.map(|corner| corner.point);
     let [a, b, c] = points;
     let normals = [b.cross(c), c.cross(a), a.cross(b)];
     let volume = a.dot(normals[0]);
@@ -75,7 +84,8 @@ fn fill(image: &mut Image<f32>, corners: [&Corner; 3]) {
     let normals = normals.map(|normal| normal * volume.signum());
     let volume = volume.abs();
     // No point of a triangle is farther than its corners; rounding might say otherwise.
-    let longest = points.iter().map(|p| p.length()).fold(0.0, f64::max);
+    let longest = corners.iter().map(|corner| corner.length_squared);
+    let longest = longest.fold(0.0, f64::max).sqrt();
     let size = f64::from(image.width());
     let centre = |i: u32| (2.0 * f64::from(i) + 1.0) / size - 1.0;
     for y in top..=bottom {
@@ -85,7 +95,8 @@ fn fill(image: &mut Image<f32>, corners: [&Corner; 3]) {
         for (x, texel) in (left..).zip(row) {
             let u = centre(x);
             let sides = [0, 1, 2].map(|i| normals[i].x * u + offsets[i]);
-            let sum = sides[0] + sides[1] + sides[2];
+            // In this order a triangle and its mirror image have one sum.
+            let sum = sides[0] + (sides[1] + sides[2]);
             if sides.iter().all(|&side| side >= 0.0) && sum > 0.0 {
                 let ray = (u * u + v * v + 1.0).sqrt();
                 let distance = (volume / sum * ray).min(longest);
@@ -96,27 +107,28 @@ fn fill(image: &mut Image<f32>, corners: [&Corner; 3]) {
 }
 
 /// First and last column and row of the texels whose rays a triangle may meet.
-fn texel_bounds(points: &[DVec3; 3], size: u32) -> Option<[u32; 4]> {
-    if points.iter().all(|point| point.z > 0.0) {
-        return bounds_of(points, size);
+fn texel_bounds(corners: [&Corner; 3], size: u32) -> Option<[u32; 4]> {
+    if corners.iter().all(|corner| corner.point.z > 0.0) {
+        return bounds_of(corners.iter().map(|corner| corner.place), size);
     }
-    bounds_of(&clipped(points), size)
+    let polygon = clipped(&corners.map(|corner| corner.point));
+    // At the centre itself every direction is possible.
+    let has_centre = polygon.iter().any(|point| point.z <= 0.0);
+    let ends = [[-1.0; 2], [1.0; 2]].into_iter().filter(|_| has_centre);
+    let places = polygon.iter().filter(|point| point.z > 0.0);
+    let places = places.map(|point| [point.x / point.z, point.y / point.z]);
+    bounds_of(places.chain(ends), size)
 }
 
-fn bounds_of(points: &[DVec3], size: u32) -> Option<[u32; 4]> {
+/// The texels around `places`, −1 … 1 from left and top.
+fn bounds_of(places: impl Iterator<Item = [f64; 2]>, size: u32) -> Option<[u32; 4]> {
     /// Texels by which a bound may be off through rounding.
     const MARGIN: f64 = 1e-6;
     let (mut low, mut high) = ([1.0f64; 2], [-1.0f64; 2]);
-    for point in points {
-        for (i, along) in [point.x, point.y].into_iter().enumerate() {
-            // At the centre itself every direction is possible.
-            let ends = if point.z > 0.0 {
-                [along / point.z; 2]
-            } else {
-                [-1.0, 1.0]
-            };
-            low[i] = low[i].min(ends[0].max(-1.0));
-            high[i] = high[i].max(ends[1].min(1.0));
+    for place in places {
+        for i in 0..2 {
+            low[i] = low[i].min(place[i].max(-1.0));
+            high[i] = high[i].max(place[i].min(1.0));
         }
     }
     let n = f64::from(size);

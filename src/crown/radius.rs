@@ -12,7 +12,7 @@
 use super::radial_raster::farthest;
 use crate::base::{Cancel, Cancelled};
 use crate::geometry::Mesh;
-use crate::raster::{CubeFace, Cubemap, Image, folded};
+use crate::raster::{CubeFace, Cubemap, Image, folded, per_face};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::VecDeque;
@@ -120,20 +120,78 @@ fn hits(
     let mut union: Option<Cubemap<f32>> = None;
     for mesh in meshes {
         let corners: Vec<DVec3> = mesh.positions.iter().map(|&p| p - center).collect();
-        let faces: Result<Vec<Image<f32>>, Cancelled> = CubeFace::ALL
-            .par_iter()
-            .map(|&face| farthest(&corners, &mesh.triangles, face, size, cancel))
-            .collect();
-        let faces: [Image<f32>; 6] = faces?
-            .try_into()
-            .unwrap_or_else(|_| unreachable!("a cube has six faces"));
-        let map = Cubemap::from_faces(faces);
+        let map = match front_of(&corners, &mesh.triangles) {
+            Some((corners, front)) => mirrored_too(&hits_of(corners, front, size, cancel)?),
+            None => hits_of(&corners, &mesh.triangles, size, cancel)?,
+        };
         union = Some(match union {
             None => map,
             Some(union) => largest(&union, &map),
         });
     }
     Ok(union.unwrap_or_else(|| Cubemap::filled(size, 0.0)))
+}
+
+fn hits_of(
+    corners: &[DVec3],
+    triangles: &[[u32; 3]],
+    size: u32,
+    cancel: &Cancel,
+) -> Result<Cubemap<f32>, Cancelled> {
+    let faces: Result<Vec<Image<f32>>, Cancelled> = CubeFace::ALL
+        .par_iter()
+        .map(|&face| farthest(corners, triangles, face, size, cancel))
+        .collect();
+    let faces: [Image<f32>; 6] = faces?
+        .try_into()
+        .unwrap_or_else(|_| unreachable!("a cube has six faces"));
+    Ok(Cubemap::from_faces(faces))
+}
+
+/// Half of the surface, if the second half of the triangles is the mirror image of the first in the
+/// plane z = 0, as an inflated mask has it: half the work then does.
+fn front_of<'a>(
+    corners: &'a [DVec3],
+    triangles: &'a [[u32; 3]],
+) -> Option<(&'a [DVec3], &'a [[u32; 3]])> {
+    let (front, back) = triangles.split_at(triangles.len() / 2);
+    let is_mirrored = |one: u32, other: u32| {
+        let (one, other) = (corners[one as usize], corners[other as usize]);
+        one.x == other.x && one.y == other.y && one.z == -other.z
+    };
+    let pairs = || front.iter().zip(back);
+    let all = pairs().all(|([a, b, c], [d, e, f])| {
+        is_mirrored(*a, *d) && is_mirrored(*b, *f) && is_mirrored(*c, *e)
+    });
+    let count = front.as_flattened().iter().max().map_or(0, |last| last + 1);
+    (all && front.len() == back.len()).then(|| (&corners[..count as usize], front))
+}
+
+/// `map` and its mirror image in the plane z = 0: the larger of both in every direction.
+fn mirrored_too(map: &Cubemap<f32>) -> Cubemap<f32> {
+    per_face(|face| {
+        let behind = match face {
+            CubeFace::PosZ => CubeFace::NegZ,
+            CubeFace::NegZ => CubeFace::PosZ,
+            lateral => lateral,
+        };
+        let is_flat = matches!(face, CubeFace::PosY | CubeFace::NegY);
+        let (own, other) = (map.face(face), map.face(behind));
+        let mut both = own.clone();
+        let last = own.height() - 1;
+        for y in 0..own.height() {
+            let row = both.row_mut(y).iter_mut();
+            if is_flat {
+                // Its rows run along z.
+                row.zip(other.row(last - y))
+                    .for_each(|(texel, other)| *texel = texel.max(*other));
+            } else {
+                row.zip(other.row(y).iter().rev())
+                    .for_each(|(texel, other)| *texel = texel.max(*other));
+            }
+        }
+        both
+    })
 }
 
 /// The larger of two radii in every direction; the maps have the same size.

@@ -2,6 +2,7 @@
 
 use super::settings::{CrownSettings, VariationSettings};
 use crate::base::{Digest, Hasher};
+use crate::contour::HandPins;
 use crate::paint::TiledMask;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -47,6 +48,9 @@ pub struct Content {
     pub variation: VariationSettings,
     /// The number of the next photograph.
     pub next_photo: u32,
+    /// Pins that were set by hand, in the normalised picture. Last: histories that were written before
+    /// there were any end here.
+    pub pins: BTreeMap<PhotoId, HandPins>,
 }
 
 impl Content {
@@ -73,6 +77,13 @@ impl Content {
         }
         if !self.crowns.keys().eq(self.photos.keys()) {
             return Some("photographs and crowns do not match".to_owned());
+        }
+        if let Some((PhotoId(id), _)) = self
+            .pins
+            .iter()
+            .find(|(id, pins)| !self.photos.contains_key(id) || !pins.is_sound())
+        {
+            return Some(format!("the pins of photo {id} are out of range"));
         }
         if let Some(photo) = self
             .variation

@@ -3,6 +3,7 @@
 use super::content::{Content, LONGEST_NAME, Photo, PhotoId, State};
 use super::settings::{CrownSettings, VariationSettings};
 use crate::base::Digest;
+use crate::contour::HandPins;
 use crate::paint::{BACKGROUND, TiledMask};
 use std::sync::Arc;
 
@@ -33,6 +34,8 @@ pub enum Edit {
     SetCrown(PhotoId, Box<CrownSettings>),
     /// Replaces the settings of the variations.
     SetVariation(Box<VariationSettings>),
+    /// Sets the pins of a photograph, or leaves them to the segmenter again.
+    SetPins(PhotoId, Option<HandPins>),
 }
 
 /// An edit was refused; the project is unchanged.
@@ -89,6 +92,7 @@ pub(super) fn edited(state: &State, edit: Edit) -> Result<(State, Option<Blob>),
             content.photos.remove(&id);
             content.crowns.remove(&id);
             content.variation.forget(id);
+            content.pins.remove(&id);
             new.masks.remove(&id);
         }
         Edit::RenamePhoto(id, name) => {
@@ -117,6 +121,14 @@ pub(super) fn edited(state: &State, edit: Edit) -> Result<(State, Option<Blob>),
             content(&mut new).crowns.insert(id, *settings);
         }
         Edit::SetVariation(settings) => content(&mut new).variation = *settings,
+        Edit::SetPins(id, pins) => {
+            known(state, id)?;
+            let all = &mut content(&mut new).pins;
+            match pins {
+                Some(pins) => drop(all.insert(id, pins)),
+                None => drop(all.remove(&id)),
+            }
+        }
     }
     match new.content.complaint() {
         Some(complaint) => Err(EditError::Invalid(complaint)),

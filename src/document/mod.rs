@@ -12,7 +12,7 @@
 //!
 //! Files are opened in `store` only; the rest is bytes to bytes.
 //!
-//! Imports `base`, `raster`, `paint`, `crown` (settings of the relief).
+//! Imports `base`, `raster`, `contour`, `paint`, `crown` (settings of the relief).
 
 mod content;
 mod edit;
@@ -31,5 +31,6 @@ pub use format::{FormatError, VERSION};
 pub use history::Changed;
 pub use project::{Document, Snapshot};
 pub use settings::{
-    Coloring, CrownSettings, ExemplarWeight, Favourite, Tangent, VariationSettings, ViewState,
+    CanvasView, Coloring, CrownSettings, ExemplarWeight, Favourite, Tangent, VariationSettings,
+    ViewState,
 };

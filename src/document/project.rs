@@ -322,6 +322,11 @@ impl Document {
         self.history_bytes
     }
 
+    /// The number of what a snapshot taken now holds: see [`Document::mark_saved`].
+    pub fn revision(&self) -> u64 {
+        self.revision
+    }
+
     /// Whether there is something to lose. Undoing to what was saved makes it clean again.
     pub fn is_dirty(&self) -> bool {
         let in_gesture = self

@@ -273,10 +273,17 @@ pub struct ViewState {
     pub camera_deg: (f64, f64),
     /// Camera: its distance as a share of the one at which the whole tree just fits the view.
     pub distance: f64,
-    /// The canvas's middle in the photograph, pixels.
-    pub canvas_center: (f64, f64),
-    /// Screen pixels for a photograph's pixel.
-    pub canvas_zoom: f64,
+    /// Where the canvas looks; all of the photograph when nobody has looked yet.
+    pub canvas: Option<CanvasView>,
+}
+
+/// Where the canvas looks.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct CanvasView {
+    /// Its middle in the photograph, pixels from the upper left corner.
+    pub center: (f64, f64),
+    /// Points of the screen for a pixel of the photograph.
+    pub zoom: f64,
 }
 
 impl Default for ViewState {
@@ -286,8 +293,7 @@ impl Default for ViewState {
             sun_deg: (-42.0, 48.0),
             camera_deg: (0.0, 6.0),
             distance: 1.0,
-            canvas_center: (0.0, 0.0),
-            canvas_zoom: 1.0,
+            canvas: None,
         }
     }
 }

@@ -16,7 +16,7 @@ pub const LAST_GREY_LABEL: u8 = 9;
 const STEP: u8 = 8;
 
 /// The grey that stands for `label`.
-fn grey_of(label: u8) -> u8 {
+pub fn grey_of(label: u8) -> u8 {
     match label {
         BACKGROUND => Label::Background.grey(),
         CROWN => Label::Crown.grey(),

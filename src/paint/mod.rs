@@ -26,7 +26,7 @@ mod whole;
 
 pub use brush::{BrushSettings, Sample, Stroke};
 pub use flood::{Reach, color_selection, region_selection};
-pub use grey::{LAST_GREY_LABEL, grey_from_mask, mask_from_grey, mask_from_picture};
+pub use grey::{LAST_GREY_LABEL, grey_from_mask, grey_of, mask_from_grey, mask_from_picture};
 pub use livewire::Livewire;
 pub use morphology::{grown, shrunk, smoothed};
 pub use pack::{PackError, PackedTile};

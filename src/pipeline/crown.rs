@@ -17,7 +17,7 @@ use crate::crown::{
     sub_crowns_merged, turned_copies, without_steep_walls,
 };
 use crate::geometry::{Mesh, Point};
-use crate::raster::{Cubemap, Image, Mask, Straight, opaque_bounds};
+use crate::raster::{Cubemap, Image, Mask, Rect, Straight, opaque_bounds};
 use crate::scene::Crown;
 use crate::synth::{CrownSurface, CubemapSettings, Extent, SynthesisError, foliage_cubemap};
 use glam::DVec3;
@@ -411,6 +411,45 @@ pub struct CrownShape {
     pub photo_center: Point,
     /// Pixels of the photograph in a metre.
     pub photo_px_per_m: f64,
+    /// The least and the largest k along the silhouette; unknown of several regions.
+    pub k: Option<[f64; 2]>,
+}
+
+/// The line around a crown, in pixels of the photograph; the centre of its first pixel is (0, 0).
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Silhouette {
+    /// Places along it with their t, as [`silhouette`] has them. None of several regions.
+    pub points: Vec<(f64, Point)>,
+    /// Upper left and lower right corner of the crown's bounds: between them i and j of a formula go
+    /// from 0 to 1.
+    pub bounds: [Point; 2],
+}
+
+impl Silhouette {
+    fn of(volume: &Volume, bounds: Rect) -> Self {
+        let in_photo = |(t, place): (f64, Point)| (t, volume.photo_from_mask(place));
+        let corner = Point::new(f64::from(bounds.x), f64::from(bounds.y)) - 0.5;
+        let size = Point::new(f64::from(bounds.width), f64::from(bounds.height));
+        Self {
+            points: silhouette(&volume.mask).into_iter().map(in_photo).collect(),
+            bounds: [corner, corner + size].map(|place| volume.photo_from_mask(place)),
+        }
+    }
+
+    /// i and j of a place in the photograph.
+    pub fn shares(&self, place: Point) -> [f64; 2] {
+        let [from, to] = self.bounds;
+        let share = (place - from) / (to - from);
+        [share.x.clamp(0.0, 1.0), share.y.clamp(0.0, 1.0)]
+    }
+
+    /// Where `change` moves it.
+    pub(super) fn moved(&self, change: impl Fn(Point) -> Point) -> Self {
+        Self {
+            points: self.points.iter().map(|&(t, at)| (t, change(at))).collect(),
+            bounds: self.bounds.map(change),
+        }
+    }
 }
 
 /// The inflated `mask`, without relief and copies.
@@ -430,9 +469,7 @@ pub fn crown_shape(
 pub(super) struct Inflated {
     volume: Volume,
     inflation: Inflation,
-    /// Places along the silhouette as [`silhouette`] has them, in the square around the crown: 0 … 1
-    /// from its left and top.
-    pub(super) silhouette: Arc<[(f64, Point)]>,
+    pub(super) silhouette: Arc<Silhouette>,
 }
 
 impl Inflated {
@@ -446,18 +483,9 @@ impl Inflated {
         let volume =
             Volume::new(mask, settings.size, &settings.envelope).ok_or(InflationError::Empty)?;
         let inflation = Inflation::new(Domain::new(&volume.mask)?, progress, cancel)?;
-        let bounds = inflation.domain().bounds();
-        let corner = Point::new(f64::from(bounds.x), f64::from(bounds.y));
-        let side = f64::from(bounds.width.max(bounds.height));
-        let margin = Point::new(
-            side - f64::from(bounds.width),
-            side - f64::from(bounds.height),
-        );
-        let walk = silhouette(&volume.mask).into_iter();
-        let in_square =
-            |(t, place): (f64, Point)| (t, (place - corner + 0.5 + margin / 2.0) / side);
+        let silhouette = Silhouette::of(&volume, inflation.domain().bounds());
         Ok(Self {
-            silhouette: walk.map(in_square).collect(),
+            silhouette: Arc::new(silhouette),
             volume,
             inflation,
         })
@@ -486,6 +514,10 @@ impl Inflated {
             frame,
             photo_center: volume.photo_from_mask(center),
             photo_px_per_m: in_photo(1.0 / frame.metres_per_pixel),
+            k: Some([
+                k.iter().copied().fold(f64::INFINITY, f64::min),
+                k.iter().copied().fold(0.0, f64::max),
+            ]),
         })
     }
 }
@@ -519,6 +551,7 @@ pub(super) fn shape_of_regions(
         frame,
         photo_center: volume.photo_from_mask(center.truncate()),
         photo_px_per_m: 1.0 / frame.metres_per_pixel / volume.scale,
+        k: None,
     })
 }
 

@@ -10,13 +10,12 @@
 //! up again by [`LiveCrown::adopt`]. A `Full` crown is, to the byte, what [`super::crown()`] makes.
 
 use super::crown::{
-    ColoredSurface, CrownError, CrownSettings, CrownShape, Inflated, base_radius, check, colored,
-    shape_of_regions,
+    ColoredSurface, CrownError, CrownSettings, CrownShape, Inflated, Silhouette, base_radius,
+    check, colored, shape_of_regions,
 };
 use super::request::{CrownRequest, Regions, Thinning};
 use crate::base::{Cancel, Progress, Seed};
 use crate::crown::{InflationError, ReliefSettings, height_cubemap, radius_with_relief};
-use crate::geometry::Point;
 use crate::paint::TiledMask;
 use crate::raster::{Cubemap, Image, Mask, Straight};
 use crate::scene::Crown;
@@ -58,9 +57,10 @@ pub struct LiveResult {
     pub crown: Arc<Crown>,
     /// Another number when the colours may be others.
     pub color_version: u64,
-    /// Places along the silhouette, as [`crate::crown::silhouette`] has them, in the square around
-    /// the crown: 0 … 1 from its left and top. None of several regions.
-    pub silhouette: Arc<[(f64, Point)]>,
+    /// The line around it.
+    pub silhouette: Arc<Silhouette>,
+    /// The least and the largest k along it; unknown of several regions.
+    pub k: Option<[f64; 2]>,
     /// The labels of the sub-crowns there are.
     pub sub_crowns: Vec<u8>,
 }
@@ -143,6 +143,7 @@ struct ShapeKey {
 struct Source {
     photo: Arc<Image<Straight>>,
     regions: Regions,
+    thinning: Thinning,
 }
 
 /// The steps to a surface without relief.
@@ -238,6 +239,7 @@ impl LiveCrown {
             crown: Arc::new(crown),
             color_version,
             silhouette,
+            k: shape.k,
             sub_crowns: source.value.regions.sub_crowns(),
         })
     }
@@ -311,7 +313,7 @@ impl LiveCrown {
         }
         let made = self.projected.get(shape.version, |_| {
             cancel.check()?;
-            let Source { photo, regions } = &source.value;
+            let Source { photo, regions, .. } = &source.value;
             Ok(photo_around(photo, &regions.union, &shape.value))
         })?;
         Ok((made.value.clone(), made.version))
@@ -335,7 +337,11 @@ impl Shapes {
                 true => Arc::new(thinning.photo(&input.photo)),
                 false => Arc::clone(&input.photo),
             };
-            Ok(Source { photo, regions })
+            Ok(Source {
+                photo,
+                regions,
+                thinning,
+            })
         })
     }
 
@@ -377,11 +383,18 @@ impl Shapes {
         })
     }
 
-    /// That of the mask that was inflated last, if it is this one.
-    fn silhouette(&self, source: &Made<LiveInput, Source>) -> Arc<[(f64, Point)]> {
+    /// That of the mask that was inflated last, if it is this one, in the photograph as it is.
+    fn silhouette(&self, source: &Made<LiveInput, Source>) -> Arc<Silhouette> {
         let made = self.inflated.0.as_ref();
-        let made = made.filter(|made| made.key.0 == source.version);
-        made.map_or(Arc::default(), |made| Arc::clone(&made.value.silhouette))
+        let Some(made) = made.filter(|made| made.key.0 == source.version) else {
+            return Arc::default();
+        };
+        let thinning = source.value.thinning;
+        let own = &made.value.silhouette;
+        match thinning.is_none() {
+            true => Arc::clone(own),
+            false => Arc::new(own.moved(|place| thinning.in_photo(place))),
+        }
     }
 
     fn adopt(&mut self, copy: Self) {

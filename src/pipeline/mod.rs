@@ -15,8 +15,8 @@ mod request;
 mod tree_maps;
 
 pub use crown::{
-    ColoredSurface, CrownError, CrownSettings, CrownShape, TRUNK_SHARE, colored_surface, crown,
-    crown_of_regions, crown_shape,
+    ColoredSurface, CrownError, CrownSettings, CrownShape, Silhouette, TRUNK_SHARE,
+    colored_surface, crown, crown_of_regions, crown_shape,
 };
 pub use frame::CrownFrame;
 pub use gallery::{

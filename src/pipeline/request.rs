@@ -7,12 +7,10 @@ use super::crown::{CrownError, CrownSettings};
 use crate::base::Seed;
 use crate::crown::{Profile, SubCrown, Tangent};
 use crate::document;
+use crate::geometry::Point;
 use crate::paint::{CROWN, TRUNK, TiledMask};
 use crate::raster::{Image, Mask, Rect, Straight, opaque_bounds};
 use std::collections::BTreeMap;
-
-/// k of a region for which nobody has chosen one: a disc becomes as deep as wide.
-const ROUND: f64 = 2.08;
 
 /// All that a crown is made by, beside the photograph and its labels.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,6 +24,9 @@ pub struct CrownRequest {
 }
 
 impl CrownRequest {
+    /// k of a region for which nobody has chosen one: a disc becomes as deep as wide.
+    pub const ROUND: f64 = 2.08;
+
     /// What a project asks for.
     ///
     /// ```
@@ -64,7 +65,7 @@ impl CrownRequest {
     /// The sub-crowns of a picture whose masks are `regions`: all with one k, each at its depth.
     pub(super) fn sub_crowns(&self, regions: &Regions) -> Vec<SubCrown> {
         let tangent = self.settings.k.clone();
-        let tangent = tangent.unwrap_or(Tangent::Constant(ROUND));
+        let tangent = tangent.unwrap_or(Tangent::Constant(Self::ROUND));
         let sub_crown = |(label, mask): &(u8, Mask)| SubCrown {
             mask: mask.clone(),
             tangent: tangent.clone(),
@@ -154,6 +155,17 @@ impl Thinning {
             }
         }
         image
+    }
+
+    /// Whether all pixels are looked at.
+    pub(super) fn is_none(&self) -> bool {
+        self.step == 1 && (self.part.x, self.part.y) == (0, 0)
+    }
+
+    /// The place in the photograph of a place in the thinned one.
+    pub(super) fn in_photo(&self, place: Point) -> Point {
+        let first = Point::new(f64::from(self.part.x), f64::from(self.part.y));
+        first + place * f64::from(self.step) + f64::from(self.step / 2)
     }
 
     /// The same pixels of the photograph.

@@ -161,8 +161,8 @@ fn doubled(map: &Cubemap<f32>) -> Cubemap<f32> {
     })
 }
 
-/// A cubemap whose faces are made side by side.
-fn per_face<P: Copy + Send>(make: impl Fn(CubeFace) -> Image<P> + Sync) -> Cubemap<P> {
+/// A cubemap whose faces are made side by side, each by a thread of its own where there are as many.
+pub fn per_face<P: Copy + Send>(make: impl Fn(CubeFace) -> Image<P> + Sync) -> Cubemap<P> {
     let faces: Vec<Image<P>> = CubeFace::ALL.par_iter().map(|&face| make(face)).collect();
     let faces: [Image<P>; 6] = faces
         .try_into()

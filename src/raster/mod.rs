@@ -25,8 +25,8 @@ mod resample;
 mod write;
 
 pub use blur::smoothed_within;
-pub use cube_envelope::cube_upper_envelope;
-pub use cube_grid::{folded, smoothed_cubemap};
+pub use cube_envelope::{CubeCones, cube_upper_envelope};
+pub use cube_grid::{folded, per_face, smoothed_cubemap};
 pub use cubemap::{CubeFace, Cubemap};
 pub use grey16::{Grey16Error, decode_grey16_png, encode_grey16_png};
 pub use image::{Image, Premultiplied, Straight};

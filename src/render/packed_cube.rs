@@ -68,9 +68,17 @@ impl<T: Copy + Default> PackedCube<T> {
         for face in CubeFace::ALL {
             for y in 0..side {
                 let start = self.index(face as u32, left, top + y);
-                for x in 0..side {
-                    let texel = bordered(level, face, x, y);
-                    self.texels[start + x as usize] = packed(texel);
+                let row = &mut self.texels[start..][..side as usize];
+                let is_inside = (BORDER..side - BORDER).contains(&y);
+                if is_inside {
+                    let inner = &mut row[BORDER as usize..(side - BORDER) as usize];
+                    let from = level.face(face).row(y - BORDER);
+                    for (texel, from) in inner.iter_mut().zip(from) {
+                        *texel = packed(*from);
+                    }
+                }
+                for x in (0..side).filter(|&x| !is_inside || x == 0 || x == side - BORDER) {
+                    row[x as usize] = packed(bordered(level, face, x, y));
                 }
             }
         }

@@ -7,6 +7,7 @@
 
 use super::{Exemplar, ExemplarSettings, Shape};
 use crate::base::{Digest, FileError, Hasher, read_limited, write_atomic};
+use crate::contour::HandPins;
 use crate::raster::Image;
 use crate::segment::{Provenance, grey_from_labels, labels_from_grey};
 use std::path::{Path, PathBuf};
@@ -18,8 +19,13 @@ const PREPARATION: &[u8] = b"exemplar 5";
 const LARGEST_BYTES: u64 = 1 << 29;
 
 /// The name of a prepared exemplar.
-pub(super) fn key(file: Digest, settings: &ExemplarSettings, segmenter: &str) -> Digest {
-    Hasher::new("boscage exemplar")
+pub(super) fn key(
+    file: Digest,
+    by_hand: Option<&HandPins>,
+    settings: &ExemplarSettings,
+    segmenter: &str,
+) -> Digest {
+    let hasher = Hasher::new("boscage exemplar")
         .with(PREPARATION)
         .with(env!("CARGO_PKG_VERSION").as_bytes())
         .with(file.bytes())
@@ -27,7 +33,12 @@ pub(super) fn key(file: Digest, settings: &ExemplarSettings, segmenter: &str) ->
         .with(&settings.threshold.to_le_bytes())
         .with(&settings.points.to_le_bytes())
         .with(&settings.simplified.to_le_bytes())
-        .with(segmenter.as_bytes())
+        .with(segmenter.as_bytes());
+    let pinned = by_hand.map(|pins| [pins.bottom, pins.left, pins.right]);
+    let shares = pinned.as_ref().map(|pins| pins.as_flattened());
+    let shares = shares.unwrap_or_default().iter();
+    shares
+        .fold(hasher, |hasher, share| hasher.with(&share.to_le_bytes()))
         .finish()
 }
 

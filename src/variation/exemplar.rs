@@ -5,7 +5,7 @@
 
 use super::normalize::{Normalized, normalized};
 use crate::base::{Cancel, Cancelled, Progress};
-use crate::contour::{Outlines, PinnedContour, Pins, filled, outlines, pins};
+use crate::contour::{HandPins, Outlines, PinnedContour, Pins, filled, outlines, pins};
 use crate::geometry::Point;
 use crate::raster::{
     Image, Mask, Premultiplied, Rect, Straight, dilated, labelled_components, resized,
@@ -136,6 +136,22 @@ impl Exemplar {
         progress: Progress<'_>,
         cancel: &Cancel,
     ) -> Result<Self, ExemplarError> {
+        Self::prepare_pinned(picture, None, settings, segmenter, progress, cancel)
+    }
+
+    /// As [`Exemplar::prepare`], with pins that were set by hand in the normalised picture, if they
+    /// were.
+    ///
+    /// # Errors
+    /// As [`Exemplar::prepare`].
+    pub fn prepare_pinned(
+        picture: &Image<Straight>,
+        by_hand: Option<HandPins>,
+        settings: &ExemplarSettings,
+        segmenter: &dyn Segmenter,
+        progress: Progress<'_>,
+        cancel: &Cancel,
+    ) -> Result<Self, ExemplarError> {
         let stage = progress.stage("normalize", 1);
         let normalized = normalized(picture, settings.size, settings.threshold)?;
         check_usable(picture, &normalized)?;
@@ -144,7 +160,10 @@ impl Exemplar {
         let Segmented { labels, provenance } =
             segmenter.segmented(&normalized.image.straight(), cancel)?;
         drop(stage);
-        let outlined = Outlined::new(&normalized, progress);
+        let outlined = Outlined {
+            by_hand,
+            ..Outlined::new(&normalized, progress)
+        };
         let shape = outlined.shape(&labels, settings, progress);
         Ok(Self {
             shape,
@@ -221,6 +240,8 @@ pub struct Outlined {
     pub outlines: Outlines,
     /// The longest exterior border, counter-clockwise as seen on screen.
     pub longest: Vec<Point>,
+    /// The pins that somebody set.
+    pub by_hand: Option<HandPins>,
 }
 
 impl Outlined {
@@ -236,11 +257,18 @@ impl Outlined {
             mask,
             outlines,
             longest,
+            by_hand: None,
         }
     }
 
     /// The pins of the longest border.
     pub fn pins(&self, labels: &Labels) -> (Pins, Option<f64>) {
+        if let Some(by_hand) = &self.by_hand {
+            let pins = by_hand.on(&self.longest, f64::from(self.mask.width()));
+            let tops = [pins.left, pins.right].map(|pin| self.longest[pin].y);
+            let baseline_y = pins.has_trunk().then(|| tops[0].min(tops[1]));
+            return (pins, baseline_y);
+        }
         let baseline_y = crown_baseline(labels).map(f64::from);
         let on_trunk = |p: Point| labels.get(p.x as i64, p.y as i64) == Some(Label::Trunk);
         (pins(&self.longest, baseline_y, on_trunk), baseline_y)

@@ -3,6 +3,7 @@
 use super::cache::{self, Cache};
 use super::{Exemplar, ExemplarError, ExemplarSettings, Shape};
 use crate::base::{Cancel, Cancelled, Digest, FileError, Progress, read_limited};
+use crate::contour::HandPins;
 use crate::raster::{ImageError, ReadLimits, read_image_from_memory};
 use crate::segment::{Provenance, SegmentError, Segmenter};
 use rayon::prelude::*;
@@ -48,6 +49,8 @@ pub struct LibraryPicture {
     pub path: PathBuf,
     /// What the file holds, where that is at hand: then no file is read.
     pub bytes: Option<Arc<[u8]>>,
+    /// Pins that somebody set in it.
+    pub pins: Option<HandPins>,
 }
 
 /// A file that did not become part of a library.
@@ -72,6 +75,8 @@ pub struct Entry {
     pub shape: Arc<Shape>,
     /// Who labelled its picture.
     pub provenance: Provenance,
+    /// See [`LibraryPicture::pins`].
+    pub pins: Option<HandPins>,
     key: Digest,
     /// See [`LibraryPicture::bytes`].
     bytes: Option<Arc<[u8]>>,
@@ -116,6 +121,7 @@ impl<'a> Library<'a> {
         let of_file = |path: &PathBuf| LibraryPicture {
             path: path.clone(),
             bytes: None,
+            pins: None,
         };
         let pictures: Vec<LibraryPicture> = files.iter().map(of_file).collect();
         Self::of(
@@ -255,12 +261,14 @@ impl<'a> Library<'a> {
             None => read_limited(path, ReadLimits::default().file_bytes)?.into(),
         };
         let digest = Digest::of(&bytes);
-        let key = cache::key(digest, &self.settings, &self.segmenter_key);
+        let pins = picture.pins;
+        let key = cache::key(digest, pins.as_ref(), &self.settings, &self.segmenter_key);
         let entry = |shape, provenance| Entry {
             path: path.clone(),
             digest,
             shape,
             provenance,
+            pins,
             key,
             bytes: picture.bytes.clone(),
         };
@@ -271,7 +279,7 @@ impl<'a> Library<'a> {
         if let Some((shape, provenance)) = self.cache.as_ref().and_then(|cache| cache.shape(key)) {
             return Ok((entry(Arc::new(shape), provenance), None));
         }
-        let exemplar = self.prepared_from(path, &bytes, cancel)?;
+        let exemplar = self.prepared_from(path, &bytes, pins, cancel)?;
         let shape = Arc::new(exemplar.shape.clone());
         let entry = entry(shape, exemplar.provenance.clone());
         let Some(cache) = &self.cache else {
@@ -296,7 +304,7 @@ impl<'a> Library<'a> {
         };
         Ok((
             Digest::of(&bytes),
-            self.prepared_from(&entry.path, &bytes, cancel)?,
+            self.prepared_from(&entry.path, &bytes, entry.pins, cancel)?,
         ))
     }
 
@@ -304,18 +312,19 @@ impl<'a> Library<'a> {
         &self,
         path: &Path,
         bytes: &[u8],
+        pins: Option<HandPins>,
         cancel: &Cancel,
     ) -> Result<Exemplar, LibraryError> {
         let picture = read_image_from_memory(bytes, path, ReadLimits::default())?;
         let silent = Progress::silent();
-        Exemplar::prepare(&picture, &self.settings, self.segmenter, silent, cancel).map_err(
-            |reason| match reason {
-                ExemplarError::Segment(SegmentError::Cancelled(cancelled)) => cancelled.into(),
-                reason => LibraryError::Exemplar {
-                    path: path.to_owned(),
-                    reason,
-                },
+        let (settings, segmenter) = (&self.settings, self.segmenter);
+        let made = Exemplar::prepare_pinned(&picture, pins, settings, segmenter, silent, cancel);
+        made.map_err(|reason| match reason {
+            ExemplarError::Segment(SegmentError::Cancelled(cancelled)) => cancelled.into(),
+            reason => LibraryError::Exemplar {
+                path: path.to_owned(),
+                reason,
             },
-        )
+        })
     }
 }

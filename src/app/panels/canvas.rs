@@ -5,12 +5,14 @@
 
 mod bar;
 mod camera;
+mod depth;
+mod heat;
 mod icons;
 mod overlay;
 mod photo_tiles;
 mod tint;
 
-use super::super::action::{Action, Pen};
+use super::super::action::{Action, Gesture, Pen};
 use super::super::mask_action::MaskAction;
 use super::super::selecting::Sketch;
 use super::super::studio::{Effect, Studio};
@@ -18,6 +20,7 @@ use super::super::theme::{INSIDE, OUTSIDE, OVER_PHOTO, TIGHT, UNDER_LINE, label_
 use super::super::tools::{Overlay, Tool};
 use super::empty;
 use crate::base::Digest;
+use crate::document::CanvasView;
 use crate::paint;
 use camera::Camera;
 use egui::{
@@ -33,8 +36,10 @@ const WHEEL_ZOOM: f32 = 0.004;
 /// What a point of the wheel, or of a drag with Shift, changes the brush by, as a logarithm.
 const SCRUB: f32 = 0.008;
 
+pub(super) use heat::swatch;
+
 /// What the hand is doing over the canvas.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Default)]
 enum Hand {
     #[default]
     Free,
@@ -44,6 +49,8 @@ enum Hand {
     Panning(PointerButton),
     /// The brush's size follows it: where it began, and the radius then.
     Scrubbing(Pos2, f64),
+    /// It holds a handle of k.
+    Shaping(Box<depth::Grip>),
 }
 
 /// The canvas.
@@ -54,8 +61,11 @@ pub(super) struct Canvas {
     mask: TintTiles,
     hints: TintTiles,
     found: TintTiles,
+    heat: heat::HeatMap,
     hand: Hand,
     last: Pos2,
+    /// Where the canvas looked when the project was told last.
+    told: Option<CanvasView>,
 }
 
 impl Default for Canvas {
@@ -72,8 +82,10 @@ impl Default for Canvas {
             mask: TintTiles::new(label_color),
             hints: TintTiles::new(hint),
             found: TintTiles::new(|label| (label != 0).then_some(INSIDE)),
+            heat: heat::HeatMap::default(),
             hand: Hand::Free,
             last: Pos2::ZERO,
+            told: None,
         }
     }
 }
@@ -110,19 +122,29 @@ impl Canvas {
         self.camera.set_panel(rect);
         self.camera.pixels_per_point = ui.ctx().pixels_per_point();
         let size = vec2(photo.width as f32, photo.height as f32);
-        self.look(size);
+        self.look(studio, size);
         self.wheel(ui, studio, &response, actions);
         self.pointer(ui, studio, &response, size, actions);
-        keys(ui, studio, actions);
+        self.keys(ui, studio, actions);
         self.draw(ui, studio, photo.digest, size);
+        self.depth(ui, studio, &response);
         self.cursor(ui, studio, &response);
+        let view = Some(self.camera.view());
+        if self.told != view {
+            self.told = view;
+            actions.push(Action::LookAt(self.camera.view()));
+        }
     }
 
     /// Does what menus and keys asked of the view.
-    fn look(&mut self, size: Vec2) {
+    fn look(&mut self, studio: &Studio, size: Vec2) {
         let camera = &mut self.camera;
-        if camera.zoom <= 0.0 {
-            camera.fit(size);
+        let view = studio.document().view().canvas;
+        match view.filter(|_| view != self.told) {
+            // Another project, or the photograph of one that was opened.
+            Some(view) => camera.look(view),
+            None if camera.zoom <= 0.0 => camera.fit(size),
+            None => {}
         }
         match self.wanted.take() {
             Some(Effect::ZoomToFit) => camera.fit(size),
@@ -183,7 +205,8 @@ impl Canvas {
                     ..
                 } => self.release(button, actions),
                 Event::PointerMoved(pos) => {
-                    self.moved(studio, pos, is_over, size, actions);
+                    let modifiers = ui.input(|input| input.modifiers);
+                    self.moved(studio, (pos, modifiers), is_over, size, actions);
                     self.last = pos;
                 }
                 _ => {}
@@ -198,6 +221,17 @@ impl Canvas {
         let is_line = matches!(studio.sketch(), Some(Sketch::Line(_) | Sketch::Wire(_)));
         if is_over && is_double && is_line {
             actions.push(Action::Mask(MaskAction::Close));
+        }
+        if is_over
+            && is_double
+            && studio.tools.tool == Tool::Depth
+            && let Some(edit) = depth::toggled(studio, &self.camera, self.last)
+        {
+            actions.push(Action::Edit {
+                label: "Handle of k",
+                edit,
+                gesture: Gesture::Whole,
+            });
         }
     }
 
@@ -217,6 +251,11 @@ impl Canvas {
         let is_outside = button == PointerButton::Secondary && tool == Tool::Smart;
         if pans {
             self.hand = Hand::Panning(button);
+        } else if tool == Tool::Depth {
+            let grip = depth::grip(studio, &self.camera, at);
+            if let Some(grip) = grip.filter(|_| button == PointerButton::Primary) {
+                self.hand = Hand::Shaping(Box::new(grip));
+            }
         } else if button == PointerButton::Primary && modifiers.shift && tool.has_size() {
             self.hand = Hand::Scrubbing(at, studio.tools.radius_px);
         } else if button == PointerButton::Primary || is_outside {
@@ -238,17 +277,25 @@ impl Canvas {
     fn moved(
         &mut self,
         studio: &Studio,
-        to: Pos2,
+        (to, modifiers): (Pos2, Modifiers),
         is_over: bool,
         size: Vec2,
         actions: &mut Vec<Action>,
     ) {
-        match self.hand {
+        match &mut self.hand {
             Hand::Drawing(_) => actions.push(Action::Pen(Pen::Move(self.camera.sample(to)))),
             Hand::Panning(_) => self.camera.pan(to - self.last, size),
             Hand::Scrubbing(from, radius) => {
-                let radius = radius * f64::from((to.x - from.x) * SCRUB).exp();
+                let radius = *radius * f64::from((to.x - from.x) * SCRUB).exp();
                 actions.push(Action::BrushRadius(radius));
+            }
+            Hand::Shaping(grip) => {
+                let edit = grip.dragged(studio, &self.camera, to, modifiers.shift);
+                actions.extend(edit.map(|edit| Action::Edit {
+                    label: "Shape k",
+                    edit,
+                    gesture: Gesture::Going,
+                }));
             }
             Hand::Free => {
                 if is_over && studio.sketch().is_some() {
@@ -260,10 +307,10 @@ impl Canvas {
     }
 
     fn release(&mut self, released: PointerButton, actions: &mut Vec<Action>) {
-        let is_released = match self.hand {
+        let is_released = match &self.hand {
             Hand::Free => false,
-            Hand::Drawing(button) | Hand::Panning(button) => button == released,
-            Hand::Scrubbing(..) => released == PointerButton::Primary,
+            Hand::Drawing(button) | Hand::Panning(button) => *button == released,
+            Hand::Scrubbing(..) | Hand::Shaping(_) => released == PointerButton::Primary,
         };
         if is_released {
             self.lift(actions);
@@ -271,8 +318,10 @@ impl Canvas {
     }
 
     fn lift(&mut self, actions: &mut Vec<Action>) {
-        if matches!(self.hand, Hand::Drawing(_)) {
-            actions.push(Action::Pen(Pen::Up));
+        match self.hand {
+            Hand::Drawing(_) => actions.push(Action::Pen(Pen::Up)),
+            Hand::Shaping(_) => actions.push(Action::EndGesture),
+            _ => {}
         }
         self.hand = Hand::Free;
     }
@@ -289,13 +338,17 @@ impl Canvas {
         let overlays = studio.mask_work.overlays;
         if let Some(mask) = studio.shown_mask() {
             self.mask.follow(mask);
-            if overlays.has(Overlay::Tint) {
+            // One colour at a time over the photograph.
+            if overlays.has(Overlay::Tint) && !overlays.has(Overlay::Heat) {
                 self.mask.draw(&within, &camera, size);
             }
             if overlays.has(Overlay::Silhouette) {
                 let colors = (OVER_PHOTO, UNDER_LINE);
                 self.mask.draw_lines(&within, &camera, size, colors);
             }
+        }
+        if overlays.has(Overlay::Heat) {
+            self.heat.draw(ui, &within, &camera, studio);
         }
         overlay::pixel_grid(&within, &camera, size);
         overlay::shape(ui, &painter, &camera, studio);
@@ -318,10 +371,25 @@ impl Canvas {
         }
     }
 
+    /// k along the silhouette, where it is wanted.
+    fn depth(&self, ui: &Ui, studio: &Studio, response: &Response) {
+        let is_tool = studio.tools.tool == Tool::Depth;
+        if !is_tool && !studio.mask_work.overlays.has(Overlay::Heat) {
+            return;
+        }
+        let painter = ui.painter().with_clip_rect(self.camera.panel);
+        let held = match &self.hand {
+            Hand::Shaping(grip) => Some(&**grip),
+            _ => None,
+        };
+        let pointer = response.hover_pos();
+        depth::draw(ui, &painter, &self.camera, studio, held, pointer);
+    }
+
     /// The tool under the pointer.
     fn cursor(&self, ui: &Ui, studio: &Studio, response: &Response) {
-        let scrubbed = match self.hand {
-            Hand::Scrubbing(from, _) => Some(from),
+        let scrubbed = match &self.hand {
+            Hand::Scrubbing(from, _) => Some(*from),
             _ => None,
         };
         let Some(pointer) = response.hover_pos().or(scrubbed) else {
@@ -329,10 +397,11 @@ impl Canvas {
         };
         let (space, ctrl) = ui.input(|input| (input.key_down(Key::Space), input.modifiers.command));
         let tool = studio.tools.tool;
-        let icon = match (self.hand, tool) {
-            (Hand::Panning(_), _) => CursorIcon::Grabbing,
+        let icon = match (&self.hand, tool) {
+            (Hand::Panning(_) | Hand::Shaping(_), _) => CursorIcon::Grabbing,
             (_, Tool::Hand) => CursorIcon::Grab,
             _ if space => CursorIcon::Grab,
+            (_, Tool::Depth) => CursorIcon::PointingHand,
             (_, Tool::Brush | Tool::Smart) => {
                 let painter = ui.painter().with_clip_rect(self.camera.panel);
                 let at = scrubbed.unwrap_or(pointer);
@@ -344,22 +413,26 @@ impl Canvas {
         };
         ui.ctx().set_cursor_icon(icon);
     }
-}
 
-/// Keys that mean something while a stroke or a selection is in progress.
-fn keys(ui: &Ui, studio: &Studio, actions: &mut Vec<Action>) {
-    if !studio.is_drawing() || ui.ctx().egui_wants_keyboard_input() {
-        return;
-    }
-    let pressed = |key| {
-        ui.ctx()
-            .input_mut(|input| input.consume_key(Modifiers::NONE, key))
-    };
-    if pressed(Key::Escape) {
-        actions.push(Action::AbortGesture);
-    } else if pressed(Key::Enter) {
-        actions.push(Action::Mask(MaskAction::Close));
-    } else if pressed(Key::Backspace) {
-        actions.push(Action::Mask(MaskAction::Back));
+    /// Keys that mean something while a stroke or a selection is in progress.
+    fn keys(&mut self, ui: &Ui, studio: &Studio, actions: &mut Vec<Action>) {
+        let is_shaping = matches!(self.hand, Hand::Shaping(_));
+        if !(studio.is_drawing() || is_shaping) || ui.ctx().egui_wants_keyboard_input() {
+            return;
+        }
+        let pressed = |key| {
+            ui.ctx()
+                .input_mut(|input| input.consume_key(Modifiers::NONE, key))
+        };
+        if pressed(Key::Escape) {
+            if is_shaping {
+                self.hand = Hand::Free;
+            }
+            actions.push(Action::AbortGesture);
+        } else if pressed(Key::Enter) {
+            actions.push(Action::Mask(MaskAction::Close));
+        } else if pressed(Key::Backspace) {
+            actions.push(Action::Mask(MaskAction::Back));
+        }
     }
 }

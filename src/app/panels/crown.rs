@@ -1,18 +1,19 @@
 //! How the crown is made.
 
 use super::super::action::{Action, Gesture};
+use super::super::k_field::{self, KField, MOST_K};
+use super::super::live::ShownCrown;
 use super::super::studio::Studio;
-use super::super::theme::{GAP, TIGHT, tokens};
+use super::super::theme::{GAP, OVER_PHOTO, TIGHT, tokens};
+use super::canvas::swatch;
 use super::field::{Field, dice, section};
+use super::outline::Outline;
 use super::profile::ProfileEditor;
 use super::{empty, field};
 use crate::base::Seed;
 use crate::crown::{PRESETS, ReliefSettings};
 use crate::document::{CrownSettings, Edit, PhotoId, Tangent};
 use egui::{Rect, Sense, Ui, pos2, vec2};
-
-/// Constant k that the slider reaches; more can be typed.
-const MOST_K: f64 = 6.0;
 
 /// Sides of cubemaps to choose from.
 const SIZES: [(u32, &str); 4] = [
@@ -119,30 +120,25 @@ impl Crown {
             }
         });
         if let Some(index) = chosen {
-            let k = constant.unwrap_or(2.0);
-            settings.k = match index {
-                0 => Tangent::Automatic,
-                1 => Tangent::Expression(format!("{k}")),
-                2 => Tangent::Expression(format!("{k}*(0.75+0.5*j)")),
-                _ => Tangent::Profile([0.0, 0.25, 0.5, 0.75].map(|t| (t, k)).to_vec()),
-            };
+            settings.k = chosen_k(index, studio, photo, &settings.k);
             self.formula = None;
             *change = Some(whole("Choose k"));
         }
         match &mut settings.k {
             Tangent::Automatic => {
-                ui.weak("The crown is as deep as it is wide.");
+                let found = shown_of(studio, photo).and_then(|shown| shown.k);
+                ui.weak(match found {
+                    Some([k, _]) => format!("As deep as it is wide: k is {k:.2}."),
+                    None => "The crown is as deep as it is wide.".to_owned(),
+                });
             }
             Tangent::Expression(_) => match constant {
                 Some(k) => constant_field(ui, k, settings, change),
                 None => self.formula_field(ui, studio, photo, settings, change),
             },
             Tangent::Profile(points) => {
-                let silhouette = studio.live.shown.as_ref();
-                let silhouette = silhouette.filter(|shown| shown.photo == photo);
-                let silhouette = silhouette
-                    .map(|shown| &*shown.silhouette)
-                    .unwrap_or_default();
+                let shown = shown_of(studio, photo);
+                let silhouette = shown.map(|shown| &*shown.silhouette);
                 if let Some(gesture) = self.profile.show(ui, points, silhouette) {
                     *change = Some(Change {
                         label: "Shape k",
@@ -198,6 +194,10 @@ impl Crown {
         if !response.has_focus() && *text != *kept {
             // Undone, or a preset.
             text.clone_from(kept);
+        }
+        let field = KField::of(&settings.k, None);
+        if let Some(field @ KField::Formula(_)) = &field {
+            formula_map(ui, shown_of(studio, photo), field);
         }
         if let Some(trouble) = &studio.live.trouble {
             ui.add(egui::Label::new(egui::RichText::new(trouble).color(tokens(ui).error)).wrap());
@@ -279,6 +279,57 @@ impl Crown {
     }
 }
 
+/// What a formula gives all over the crown's bounds, with the crown's outline.
+fn formula_map(ui: &mut Ui, shown: Option<&ShownCrown>, field: &KField) {
+    let silhouette = shown.map(|shown| &*shown.silhouette);
+    let silhouette = silhouette.filter(|silhouette| !silhouette.points.is_empty());
+    let aspect = silhouette.map_or(1.0, |silhouette| {
+        let size = silhouette.bounds[1] - silhouette.bounds[0];
+        (size.x / size.y).clamp(0.2, 5.0) as f32
+    });
+    let room = vec2(ui.available_width(), 120.0);
+    let size = vec2(room.x.min(room.y * aspect), room.y.min(room.x / aspect));
+    let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
+    response
+        .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Map of the formula"));
+    swatch(ui.painter(), rect, field);
+    if let Some(outline) = silhouette.and_then(|silhouette| Outline::within(silhouette, rect)) {
+        let line: Vec<_> = outline.points().iter().map(|(_, at)| *at).collect();
+        let stroke = egui::Stroke::new(1.2, OVER_PHOTO);
+        ui.painter().add(egui::Shape::closed_line(line, stroke));
+    }
+    response.on_hover_text(
+        "k over the crown: dark blue is flat, yellow steep. Shift+W shows it on the photograph.",
+    );
+}
+
+/// The crown that is shown, if it is that of `photo`.
+fn shown_of(studio: &Studio, photo: PhotoId) -> Option<&ShownCrown> {
+    let shown = studio.live.shown.as_deref();
+    shown.filter(|shown| shown.photo == photo)
+}
+
+/// The k of another kind that is nearest to what it was.
+fn chosen_k(kind: usize, studio: &Studio, photo: PhotoId, before: &Tangent) -> Tangent {
+    let shown = shown_of(studio, photo);
+    let automatic = shown.and_then(|shown| shown.k).map(|[k, _]| k);
+    let k = constant_of(before).or(automatic).unwrap_or(2.0);
+    let k = (k * 100.0).round() / 100.0;
+    match kind {
+        0 => Tangent::Automatic,
+        1 => Tangent::Expression(format!("{k}")),
+        2 => Tangent::Expression(format!("{k}*(0.75+0.5*j)")),
+        _ => {
+            let field = KField::of(before, automatic).unwrap_or(KField::Constant(k));
+            let silhouette = shown.map(|shown| &*shown.silhouette);
+            let handles = silhouette.map(|silhouette| field.handles(silhouette));
+            Tangent::Profile(
+                handles.unwrap_or_else(|| [0.0, 0.25, 0.5, 0.75].map(|t| (t, k)).to_vec()),
+            )
+        }
+    }
+}
+
 fn whole(label: &'static str) -> Change {
     Change {
         label,
@@ -288,14 +339,10 @@ fn whole(label: &'static str) -> Change {
 
 /// The number that `k` is, if it is a number and nothing else.
 fn constant_of(k: &Tangent) -> Option<f64> {
-    let Tangent::Expression(text) = k else {
-        return None;
-    };
-    let text = text.trim();
-    let is_number = text
-        .bytes()
-        .all(|byte| byte.is_ascii_digit() || byte == b'.');
-    text.parse().ok().filter(|_| is_number)
+    match k {
+        Tangent::Expression(text) => k_field::constant_of(text),
+        _ => None,
+    }
 }
 
 fn constant_field(ui: &mut Ui, k: f64, settings: &mut CrownSettings, change: &mut Option<Change>) {

@@ -7,6 +7,8 @@ use super::super::photos::Thumbnail;
 use super::super::studio::Studio;
 use super::super::theme::{GAP, TIGHT, tokens};
 use super::super::vary::Prepared;
+use super::icon::{self, Icon};
+use super::pin_editor::PinEditor;
 use super::textures::Textures;
 use crate::base::{Digest, Hasher};
 use crate::document::{Photo, PhotoId};
@@ -22,6 +24,7 @@ const STAMP: f32 = 92.0;
 #[derive(Default)]
 pub(super) struct Exemplars {
     textures: Textures,
+    pins: PinEditor,
 }
 
 impl Exemplars {
@@ -55,6 +58,8 @@ impl Exemplars {
                 }
             });
         });
+        self.pins
+            .show(ui.ctx(), studio, &mut self.textures, actions);
         self.textures.sweep(ui);
     }
 
@@ -102,10 +107,37 @@ impl Exemplars {
             if can {
                 tick(ui, rect, is_on);
             }
-            caption(ui, photo, rect, &badge(prepared, id));
+            caption(ui, photo, rect, &badge(studio, prepared, id));
+            if entry.is_some() {
+                let by_hand = studio.document().state().content().pins.contains_key(&id);
+                self.pin_button(ui, photo, (id, by_hand), rect);
+            }
         }
+        response.context_menu(|ui| {
+            if ui
+                .add_enabled(can, egui::Button::new("Set Pins…"))
+                .clicked()
+            {
+                self.pins.open(id);
+                ui.close();
+            }
+        });
         let told = told(studio, id, photo, refused);
         response.on_hover_text(told);
+    }
+
+    /// Opens the editor of the pins.
+    fn pin_button(&mut self, ui: &Ui, photo: &Photo, (id, by_hand): (PhotoId, bool), rect: Rect) {
+        let tokens = tokens(ui);
+        let corner = rect.right_bottom() - vec2(icon::SIDE + 2.0, icon::SIDE + 2.0);
+        let place = Rect::from_min_size(corner, vec2(icon::SIDE, icon::SIDE));
+        let name = format!("Pins of {}", photo.name);
+        let colors = [tokens.accent, tokens.weak];
+        let button = icon::button(ui, (place, Icon::Pin), by_hand, &name, colors);
+        let help = "Sets foot and tops of the trunk by hand.";
+        if button.on_hover_text(help).clicked() {
+            self.pins.open(id);
+        }
     }
 
     /// The normalised picture with its pins.
@@ -165,11 +197,13 @@ fn tick(ui: &Ui, rect: Rect, is_on: bool) {
 }
 
 /// What was found in the picture, in two words.
-fn badge(prepared: Option<&Prepared>, id: PhotoId) -> String {
+fn badge(studio: &Studio, prepared: Option<&Prepared>, id: PhotoId) -> String {
     let Some(prepared) = prepared else {
         return "preparing".to_owned();
     };
+    let by_hand = studio.document().state().content().pins.contains_key(&id);
     match prepared.entry(id) {
+        Some(_) if by_hand => "pinned by hand".to_owned(),
         Some((entry, _)) => {
             let trunk = match entry.shape.contour.pins.has_trunk() {
                 true => "trunk",
@@ -192,7 +226,7 @@ fn badge(prepared: Option<&Prepared>, id: PhotoId) -> String {
 
 fn caption(ui: &Ui, photo: &Photo, rect: Rect, badge: &str) {
     let tokens = tokens(ui);
-    let room = rect.width() - 2.0 * TIGHT;
+    let room = rect.width() - 2.0 * TIGHT - icon::SIDE;
     let line = |text: &str, from_bottom: f32, size: f32, color| {
         let text = super::pictures::elided(ui, text, room);
         let at = pos2(rect.left() + TIGHT + 2.0, rect.bottom() - from_bottom);
@@ -223,7 +257,7 @@ fn told(studio: &Studio, id: PhotoId, photo: &Photo, refused: Option<&String>) -
             };
             let labelled = labelled(&entry.provenance);
             format!(
-                "{}\nCrown and trunk were told apart by {labelled}: {trunk}.\nThe crown is {:.0} % dense. Dots are the pins: foot and tops of the trunk.\nClick to take it in or leave it out; drag it to a colour well.",
+                "{}\nCrown and trunk were told apart by {labelled}: {trunk}.\nThe crown is {:.0} % dense. Dots are the pins: foot and tops of the trunk.\nClick to take it in or leave it out; drag it to a colour well; right-click sets the pins.",
                 photo.name,
                 100.0 * shape.density,
             )

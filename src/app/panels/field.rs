@@ -3,7 +3,7 @@
 use super::super::action::Gesture;
 use super::super::theme::{GAP, TIGHT, tokens};
 use crate::crown::Expression;
-use egui::{PointerButton, Response, Sense, Slider, SliderClamping, Ui, vec2};
+use egui::{DragValue, PointerButton, Response, Sense, Slider, SliderClamping, Ui, vec2};
 use std::ops::RangeInclusive;
 
 /// A number to be set.
@@ -16,6 +16,7 @@ pub(super) struct Field<'a> {
     limits: RangeInclusive<f64>,
     usual: f64,
     is_whole: bool,
+    is_beside: bool,
 }
 
 impl<'a> Field<'a> {
@@ -27,6 +28,7 @@ impl<'a> Field<'a> {
             range,
             usual,
             is_whole: false,
+            is_beside: false,
         }
     }
 
@@ -48,36 +50,90 @@ impl<'a> Field<'a> {
         }
     }
 
+    /// Its name stands in a column beside it, not above it.
+    pub(super) fn beside(self) -> Self {
+        Self {
+            is_beside: true,
+            ..self
+        }
+    }
+
     /// Shows it and changes `value`; where in a gesture of the hand it was changed, if it was.
     pub(super) fn show(self, ui: &mut Ui, value: &mut f64) -> Option<Gesture> {
         let before = *value;
         let help = format!(
-            "{}\nDouble-click resets; the field does arithmetic.",
+            "{}\nDouble-click resets; Ctrl and a click types, sums too.",
             self.help
         );
-        let label = ui.add(egui::Label::new(self.name).sense(Sense::click()));
+        let above = (!self.is_beside).then(|| self.label(ui));
+        let (label, (rail, typed)) = ui
+            .horizontal(|ui| {
+                let label = above.unwrap_or_else(|| self.column(ui));
+                (label, self.rail_and_value(ui, value))
+            })
+            .inner;
         let label = label.on_hover_text(&help);
-        ui.spacing_mut().slider_width = (ui.available_width() - 64.0).max(48.0);
-        let slider = Slider::new(value, self.range.clone())
-            .clamping(SliderClamping::Never)
-            .update_while_editing(false)
-            .custom_parser(arithmetic);
-        let slider = if self.is_whole {
-            slider.step_by(1.0).fixed_decimals(0)
-        } else {
-            slider.max_decimals(3)
-        };
-        let left = ui.cursor().left();
-        let rail = ui.spacing().slider_width;
-        let response = ui.add(slider).labelled_by(label.id).on_hover_text(&help);
-        let on_rail = response.hover_pos().is_some_and(|at| at.x < left + rail);
-        let clicks = ui.input(|input| input.pointer.button_double_clicked(PointerButton::Primary));
-        if label.double_clicked() || (on_rail && clicks) {
+        let rail = rail.labelled_by(label.id).on_hover_text(&help);
+        let typed = typed.labelled_by(label.id).on_hover_text(&help);
+        let (clicks_twice, is_command) = ui.input(|input| {
+            let twice = input.pointer.button_double_clicked(PointerButton::Primary);
+            (twice, input.modifiers.command)
+        });
+        if label.double_clicked() || (rail.hovered() && clicks_twice) {
             *value = self.usual;
             return Some(Gesture::Whole);
         }
+        if is_command && rail.is_pointer_button_down_on() {
+            // Ctrl and a click: the value is to be typed.
+            *value = before;
+            typed.request_focus();
+            return None;
+        }
         *value = value.clamp(*self.limits.start(), *self.limits.end());
-        gesture_of(&response).filter(|gesture| *gesture == Gesture::Ended || *value != before)
+        let gesture = gesture_of(&rail).or_else(|| gesture_of(&typed));
+        gesture.filter(|gesture| *gesture == Gesture::Ended || *value != before)
+    }
+
+    fn label(&self, ui: &mut Ui) -> Response {
+        ui.add(egui::Label::new(self.name).sense(Sense::click()))
+    }
+
+    /// The name in the first column of a row.
+    fn column(&self, ui: &mut Ui) -> Response {
+        let size = vec2(96.0, ui.spacing().interact_size.y);
+        let layout = egui::Layout::left_to_right(egui::Align::Center);
+        let column = ui.allocate_ui_with_layout(size, layout, |ui| {
+            ui.set_min_width(size.x);
+            self.label(ui)
+        });
+        column.inner
+    }
+
+    fn rail_and_value(&self, ui: &mut Ui, value: &mut f64) -> (Response, Response) {
+        /// Width of the field behind the rail, points.
+        const FIELD: f32 = 52.0;
+        ui.spacing_mut().item_spacing.x = TIGHT;
+        ui.spacing_mut().interact_size.x = FIELD;
+        ui.spacing_mut().slider_width = (ui.available_width() - FIELD - TIGHT).max(48.0);
+        let slider = Slider::new(value, self.range.clone())
+            .clamping(SliderClamping::Never)
+            .show_value(false);
+        let speed = (self.range.end() - self.range.start()) / 300.0;
+        let rail = if self.is_whole {
+            ui.add(slider.step_by(1.0))
+        } else {
+            ui.add(slider)
+        };
+        let field = DragValue::new(value)
+            .speed(if self.is_whole { 0.05 } else { speed })
+            .update_while_editing(false)
+            .custom_parser(arithmetic);
+        let typed = if self.is_whole {
+            ui.add(field.fixed_decimals(0))
+        } else {
+            ui.add(field.max_decimals(3))
+        };
+        (rail, typed)
     }
 }
 
@@ -93,7 +149,7 @@ pub(super) fn gesture_of(response: &Response) -> Option<Gesture> {
 }
 
 /// The number that a typed text stands for.
-fn arithmetic(text: &str) -> Option<f64> {
+pub(in super::super) fn arithmetic(text: &str) -> Option<f64> {
     let value = Expression::parse(text.trim()).ok()?.value(0.0, 0.0);
     value.is_finite().then_some(value)
 }

@@ -99,16 +99,24 @@ impl Gallery {
                 }
             }
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                let slider = egui::Slider::new(&mut self.tile, 96.0..=280.0).show_value(false);
-                ui.spacing_mut().slider_width = 72.0;
-                let slider = ui.add(slider);
-                slider.widget_info(|| {
-                    egui::WidgetInfo::slider(true, f64::from(self.tile), "Size of the thumbnails")
-                });
-                slider.on_hover_text("Size of the thumbnails.");
+                // Where there is little room, the progress has it while there is some.
+                let is_filling = studio.vary.missing_count() > 0;
+                if ui.available_width() > 270.0 || !is_filling {
+                    self.thumbnail_size(ui);
+                }
                 progress(ui, studio, actions);
             });
         });
+    }
+
+    fn thumbnail_size(&mut self, ui: &mut Ui) {
+        ui.spacing_mut().slider_width = 72.0_f32.min(ui.available_width());
+        let slider = egui::Slider::new(&mut self.tile, 96.0..=280.0).show_value(false);
+        let slider = ui.add(slider);
+        slider.widget_info(|| {
+            egui::WidgetInfo::slider(true, f64::from(self.tile), "Size of the thumbnails")
+        });
+        slider.on_hover_text("Size of the thumbnails.");
     }
 
     /// Favourites, then the gallery; only rows that are seen are drawn.
@@ -283,11 +291,11 @@ fn progress(ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
             }
             let share = 1.0 - missing as f32 / total.max(1) as f32;
             let text = format!("{} of {total}", total - missing);
-            ui.add(
-                egui::ProgressBar::new(share)
-                    .text(text)
-                    .desired_width(110.0),
-            );
+            let width = ui.available_width().min(110.0);
+            if width > 40.0 {
+                let bar = egui::ProgressBar::new(share).text(text);
+                ui.add(bar.desired_width(width));
+            }
         }
         None if missing > 0 => {
             if ui.small_button("Go On").clicked() {

@@ -9,6 +9,8 @@ pub(super) enum Icon {
     Lock,
     /// A star, empty or full.
     Star,
+    /// A needle with a head.
+    Pin,
 }
 
 /// Side of an icon button, points.
@@ -31,6 +33,7 @@ pub(super) fn button(
     match icon {
         Icon::Lock => lock(ui, area, is_on, color),
         Icon::Star => star(ui, area, is_on, color),
+        Icon::Pin => pin(ui, area, is_on, color),
     }
     response
 }
@@ -60,6 +63,17 @@ fn lock(ui: &Ui, area: Rect, is_shut: bool, color: Color32) {
         points.push(pos2(middle.x + radius, body.top()));
     }
     painter.add(Shape::line(points, stroke));
+}
+
+fn pin(ui: &Ui, area: Rect, is_full: bool, color: Color32) {
+    let (stroke, painter) = (Stroke::new(1.4, color), ui.painter());
+    let head = pos2(area.center().x, area.top() + 4.0);
+    painter.line_segment([head + vec2(0.0, 3.5), area.center_bottom()], stroke);
+    if is_full {
+        painter.circle_filled(head, 4.0, color);
+    } else {
+        painter.circle_stroke(head, 3.5, stroke);
+    }
 }
 
 fn star(ui: &Ui, area: Rect, is_full: bool, color: Color32) {

@@ -11,7 +11,9 @@ mod gallery_tile;
 mod icon;
 mod jobs;
 mod mix;
+mod outline;
 mod pictures;
+mod pin_editor;
 mod profile;
 pub(super) mod screen;
 mod textures;
@@ -69,6 +71,11 @@ impl Panels {
             Pane::Variation => self.variation.show(ui, studio, actions),
             Pane::Jobs => jobs::show(ui, studio, actions),
         }
+    }
+
+    /// Whether the picture of the crown is all that it will be.
+    pub(super) fn view_is_final(&self) -> bool {
+        self.view.is_final()
     }
 
     pub(super) fn perform(&mut self, effect: &Effect) {

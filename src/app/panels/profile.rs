@@ -1,23 +1,19 @@
 //! k along the silhouette: a curve with handles, and the same handles around the silhouette itself.
 
 use super::super::action::Gesture;
+use super::super::k_field::MOST_K;
 use super::super::theme::{TIGHT, tokens};
 use super::field::gesture_of;
+use super::outline::{Outline, between_neighbours, handle_at};
 use crate::crown::Profile;
-use crate::geometry::Point;
-use egui::{Pos2, Rect, Response, Sense, Ui, Vec2, pos2, vec2};
-
-/// k at the upper end of the curve.
-const MOST_K: f64 = 6.0;
+use crate::pipeline::Silhouette;
+use egui::{Pos2, Rect, Response, Sense, Ui, pos2, vec2};
 
 /// How near the pointer must come to a handle, points.
 const REACH: f32 = 12.0;
 
 /// How far from the silhouette a handle stands for k = 1, points.
 const STEP: f32 = 8.0;
-
-/// Least way between two handles, as a share of the silhouette.
-const APART: f64 = 0.01;
 
 /// Edits a profile.
 #[derive(Default)]
@@ -27,20 +23,18 @@ pub(super) struct ProfileEditor {
 }
 
 impl ProfileEditor {
-    /// Shows `points` (place along the silhouette, k) over `silhouette` (place, position within the
-    /// crown's bounds) and changes them; where in a gesture, if it did.
+    /// Shows `points` (place along the silhouette, k) over `silhouette` and changes them; where in a
+    /// gesture, if it did.
     pub(super) fn show(
         &mut self,
         ui: &mut Ui,
         points: &mut Vec<(f64, f64)>,
-        silhouette: &[(f64, Point)],
+        silhouette: Option<&Silhouette>,
     ) -> Option<Gesture> {
         let of_curve = self.curve(ui, points);
-        let of_outline = match silhouette.len() > 8 {
-            true => self.outline(ui, points, silhouette),
-            false => None,
-        };
-        ui.weak("Drag handles; double-click adds one or takes one away.");
+        let of_outline = silhouette.and_then(|silhouette| self.outline(ui, points, silhouette));
+        let help = "Drag handles; double-click adds one or takes one away.";
+        ui.add(egui::Label::new(egui::RichText::new(help).weak()).wrap());
         of_curve.or(of_outline)
     }
 
@@ -78,14 +72,14 @@ impl ProfileEditor {
         &mut self,
         ui: &mut Ui,
         points: &mut Vec<(f64, f64)>,
-        silhouette: &[(f64, Point)],
+        silhouette: &Silhouette,
     ) -> Option<Gesture> {
         ui.add_space(TIGHT);
         let size = vec2(ui.available_width(), 190.0);
         let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
         let name = "Handles of k around the silhouette";
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Slider, true, name));
-        let outline = Outline::new(silhouette, rect.shrink(MOST_K as f32 * STEP * 0.6));
+        let outline = Outline::within(silhouette, rect.shrink(MOST_K as f32 * STEP * 0.6))?;
         let place = |&(t, k): &(f64, f64)| {
             let (at, outward) = outline.at(t);
             at + outward * (k as f32 * STEP)
@@ -96,11 +90,11 @@ impl ProfileEditor {
             (t, f64::from(((at - from).dot(outward) / STEP).max(0.0)))
         };
         let added = |at: Pos2| {
-            let (t, distance) = outline.nearest(at)?;
+            let (t, distance) = outline.nearest(at);
             (distance < 3.0 * REACH).then_some((t, 2.0))
         };
         let gesture = self.edited(&response, &places, points, dragged, added);
-        outline.draw(ui, rect, points, &place);
+        draw_outline(ui, rect, &outline, points, &place);
         gesture
     }
 
@@ -114,13 +108,7 @@ impl ProfileEditor {
         added: impl Fn(Pos2) -> Option<(f64, f64)>,
     ) -> Option<Gesture> {
         let pointer = response.interact_pointer_pos()?;
-        let near = (0..places.len())
-            .min_by(|&a, &b| {
-                places[a]
-                    .distance(pointer)
-                    .total_cmp(&places[b].distance(pointer))
-            })
-            .filter(|&i| places[i].distance(pointer) < REACH);
+        let near = handle_at(places, pointer, REACH);
         if response.double_clicked() {
             match near {
                 Some(at) if points.len() > 1 => drop(points.remove(at)),
@@ -137,11 +125,7 @@ impl ProfileEditor {
         let held = self.held.filter(|&held| held < points.len())?;
         if response.dragged() {
             let (t, k) = dragged(pointer, points[held]);
-            let least = held.checked_sub(1).map_or(0.0, |i| points[i].0 + APART);
-            let most = points
-                .get(held + 1)
-                .map_or(1.0 - APART, |next| next.0 - APART);
-            points[held] = (t.clamp(least, most.max(least)), k);
+            points[held] = (between_neighbours(points, held, t), k);
         }
         if response.drag_stopped() {
             self.held = None;
@@ -186,58 +170,21 @@ fn draw_curve(
     }
 }
 
-/// A silhouette on the screen.
-struct Outline {
-    /// Place along it, and where.
-    points: Vec<(f64, Pos2)>,
-}
-
-impl Outline {
-    fn new(silhouette: &[(f64, Point)], rect: Rect) -> Self {
-        let scale = rect.width().min(rect.height());
-        let middle = rect.center();
-        let points = silhouette.iter().map(|&(t, at)| {
-            let from_middle = vec2(at.x as f32 - 0.5, at.y as f32 - 0.5);
-            (t, middle + from_middle * scale)
-        });
-        Self {
-            points: points.collect(),
-        }
-    }
-
-    /// The point at `t` and the direction outwards.
-    fn at(&self, t: f64) -> (Pos2, Vec2) {
-        let count = self.points.len();
-        let index = self.points.partition_point(|(at, _)| *at < t) % count;
-        // Over a stretch, for pixels have corners.
-        let reach = (count / 40).max(1);
-        let along =
-            self.points[(index + reach) % count].1 - self.points[(index + count - reach) % count].1;
-        // The way is counter-clockwise on the screen, where y points down: outside is on the right.
-        (self.points[index].1, vec2(-along.y, along.x).normalized())
-    }
-
-    fn nearest(&self, to: Pos2) -> Option<(f64, f32)> {
-        let distances = self.points.iter().map(|(t, at)| (*t, at.distance(to)));
-        distances.min_by(|a, b| a.1.total_cmp(&b.1))
-    }
-
-    fn draw(
-        &self,
-        ui: &Ui,
-        rect: Rect,
-        points: &[(f64, f64)],
-        place: &impl Fn(&(f64, f64)) -> Pos2,
-    ) {
-        let tokens = tokens(ui);
-        let painter = ui.painter().with_clip_rect(rect);
-        painter.rect_filled(rect, 4.0, tokens.sunken);
-        let outline: Vec<Pos2> = self.points.iter().map(|(_, at)| *at).collect();
-        painter.add(egui::Shape::closed_line(outline, (1.0, tokens.weak)));
-        for point in points {
-            let (from, _) = self.at(point.0);
-            painter.line_segment([from, place(point)], (1.0, tokens.accent));
-            painter.circle(place(point), 4.5, tokens.accent, (1.0, tokens.sunken));
-        }
+fn draw_outline(
+    ui: &Ui,
+    rect: Rect,
+    outline: &Outline,
+    points: &[(f64, f64)],
+    place: &impl Fn(&(f64, f64)) -> Pos2,
+) {
+    let tokens = tokens(ui);
+    let painter = ui.painter().with_clip_rect(rect);
+    painter.rect_filled(rect, 4.0, tokens.sunken);
+    let line: Vec<Pos2> = outline.points().iter().map(|(_, at)| *at).collect();
+    painter.add(egui::Shape::closed_line(line, (1.0, tokens.weak)));
+    for point in points {
+        let (from, _) = outline.at(point.0);
+        painter.line_segment([from, place(point)], (1.0, tokens.accent));
+        painter.circle(place(point), 4.5, tokens.accent, (1.0, tokens.sunken));
     }
 }

@@ -7,13 +7,14 @@ use super::super::commands::Command;
 use super::super::photos::Thumbnail;
 use super::super::studio::Studio;
 use super::super::theme::{GAP, TIGHT, tokens};
+use super::field::Field;
 use super::textures::Textures;
-use super::{changed_settings, empty, gesture_of};
+use super::{changed_settings, empty};
 use crate::base::Hasher;
 use crate::document::{Coloring, PhotoId, VariationSettings};
 use crate::jobs::Phase;
 use crate::variation::Histogram;
-use egui::{Color32, Rect, Sense, Slider, Ui, pos2, vec2};
+use egui::{Color32, Rect, Sense, Ui, pos2, vec2};
 use egui_plot::{Line, LineStyle, Plot, PlotPoints};
 
 /// Columns of a plotted histogram.
@@ -124,11 +125,12 @@ impl Variation {
         }
         ui.add_enabled_ui(settings.target.is_some(), |ui| {
             let mut strength = settings.strength;
-            let slider = slider_row(ui, "Strength", Slider::new(&mut strength, 0.0..=1.0).fixed_decimals(2));
-            let slider = slider.on_hover_text(
-                "How far trees go from the target: at 0 they copy it, at 1 half of the outline is others'.",
-            );
-            let gesture = gesture_of(&slider);
+            let usual = VariationSettings::default().strength;
+            let gesture = Field::new("Strength", 0.0..=1.0, usual)
+                .limits(0.0..=1.0)
+                .beside()
+                .help("How far trees go from the target: at 0 they copy it, at 1 half of the outline is others'.")
+                .show(ui, &mut strength);
             changed_settings(actions, studio, "Strength", gesture, |s| s.strength = strength);
         });
     }
@@ -258,76 +260,37 @@ fn heading(ui: &mut Ui, text: &str) {
     ui.label(egui::RichText::new(text).strong());
 }
 
-/// A slider with its name before it, the names of a panel in one column.
-fn slider_row(ui: &mut Ui, name: &str, slider: Slider<'_>) -> egui::Response {
-    ui.horizontal(|ui| {
-        let size = vec2(96.0, ui.spacing().interact_size.y);
-        let label = ui.allocate_ui_with_layout(
-            size,
-            egui::Layout::left_to_right(egui::Align::Center),
-            |ui| {
-                ui.set_min_width(size.x);
-                ui.label(name)
-            },
-        );
-        // What is left beside the number.
-        ui.spacing_mut().slider_width = (ui.available_width() - 64.0).clamp(48.0, 140.0);
-        ui.add(slider).labelled_by(label.inner.id)
-    })
-    .inner
-}
-
 /// How many exemplars a tree mixes, and how unevenly.
 fn chances(ui: &mut Ui, studio: &Studio, settings: &VariationSettings, actions: &mut Vec<Action>) {
     heading(ui, "Chance");
-    let mut mix = settings.mix;
-    let slider = slider_row(
-        ui,
-        "Exemplars each",
-        Slider::new(&mut mix, 1..=6).clamping(egui::SliderClamping::Edits),
-    );
-    let slider = slider.on_hover_text("How many exemplars a tree of the gallery mixes.");
-    changed_settings(
-        actions,
-        studio,
-        "Exemplars Each",
-        gesture_of(&slider),
-        |s| {
-            s.mix = mix.clamp(1, 16);
-        },
-    );
+    let usual = VariationSettings::default();
+    let mut each = f64::from(settings.mix);
+    let gesture = Field::new("Exemplars each", 1.0..=6.0, f64::from(usual.mix))
+        .limits(1.0..=16.0)
+        .whole()
+        .beside()
+        .help("How many exemplars a tree of the gallery mixes.")
+        .show(ui, &mut each);
+    changed_settings(actions, studio, "Exemplars Each", gesture, |s| {
+        s.mix = each.round().clamp(1.0, 16.0) as u32;
+    });
     let is_pair = settings.mix == 2 && settings.target.is_none();
     ui.add_enabled_ui(is_pair, |ui| {
         let (mut low, mut high) = settings.weights;
-        let help = "Of two exemplars the first has a share drawn from this range.";
-        let slider = slider_row(
-            ui,
-            "Share from",
-            Slider::new(&mut low, 0.0..=1.0).fixed_decimals(2),
-        );
-        changed_settings(
-            actions,
-            studio,
-            "Shares",
-            gesture_of(&slider.on_hover_text(help)),
-            |s| {
-                s.weights = (low, high.max(low));
-            },
-        );
-        let slider = slider_row(
-            ui,
-            "to",
-            Slider::new(&mut high, 0.0..=1.0).fixed_decimals(2),
-        );
-        changed_settings(
-            actions,
-            studio,
-            "Shares",
-            gesture_of(&slider.on_hover_text(help)),
-            |s| {
-                s.weights = (low.min(high), high);
-            },
-        );
+        let share = |name, usual| {
+            Field::new(name, 0.0..=1.0, usual)
+                .limits(0.0..=1.0)
+                .beside()
+                .help("Of two exemplars the first has a share drawn from this range.")
+        };
+        let gesture = share("Share from", usual.weights.0).show(ui, &mut low);
+        changed_settings(actions, studio, "Shares", gesture, |s| {
+            s.weights = (low, high.max(low));
+        });
+        let gesture = share("to", usual.weights.1).show(ui, &mut high);
+        changed_settings(actions, studio, "Shares", gesture, |s| {
+            s.weights = (low.min(high), high);
+        });
     });
 }
 

@@ -32,6 +32,8 @@ pub(super) struct View {
     /// Moves the target in the plane of the picture, heights of the picture.
     pan: Vec2,
     frames_again: bool,
+    /// Whether the picture is all that it will be.
+    is_final: bool,
 }
 
 /// What a drag over the picture does.
@@ -50,6 +52,7 @@ impl View {
             framed: None,
             pan: Vec2::ZERO,
             frames_again: false,
+            is_final: false,
         }
     }
 
@@ -57,6 +60,11 @@ impl View {
         if *effect == Effect::FrameTree {
             self.frames_again = true;
         }
+    }
+
+    /// Whether the picture is all that it will be.
+    pub(super) fn is_final(&self) -> bool {
+        self.is_final
     }
 
     pub(super) fn show(&mut self, ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
@@ -100,6 +108,7 @@ impl View {
         let texture = self.screen.texture(ui.ctx(), studio, &look, actions);
         let painter = ui.painter().with_clip_rect(rect);
         painter.rect_filled(rect, 0.0, tokens(ui).sunken);
+        self.is_final = texture.is_some_and(|(_, is_final)| is_final);
         if let Some((texture, is_final)) = texture {
             let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
             painter.image(texture, rect, uv, Color32::WHITE);

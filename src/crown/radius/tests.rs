@@ -150,3 +150,30 @@ fn nothing_around_the_centre_is_an_error() {
     let cancelled = radius_cubemap(&sphere(DVec3::ZERO, 1.0, 4), DVec3::ZERO, 4, &cancel);
     assert_eq!(cancelled, Err(RadiusError::Cancelled(Cancelled)));
 }
+
+#[test]
+fn a_mirrored_surface_is_its_front_and_back() {
+    let mut random = crate::base::Seed(8).random();
+    let mut point = || {
+        let mut axis = || random.between(-1.0, 1.0);
+        dvec3(axis(), axis(), axis())
+    };
+    for _ in 0..20 {
+        let front: Vec<DVec3> = (0..12).map(|_| point()).collect();
+        let back = front.iter().map(|p| dvec3(p.x, p.y, -p.z));
+        let positions: Vec<DVec3> = front.iter().copied().chain(back).collect();
+        let mut triangles: Vec<[u32; 3]> = (0..4).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        triangles.extend((4..8).map(|i| [3 * i, 3 * i + 2, 3 * i + 1]));
+        assert!(front_of(&positions, &triangles).is_some());
+        let mesh = |triangles: &[[u32; 3]]| Mesh {
+            positions: positions.clone(),
+            triangles: triangles.to_vec(),
+        };
+        let whole = hits(&[&mesh(&triangles)], DVec3::ZERO, 16, &Cancel::new()).unwrap();
+        // In another order nobody notices.
+        triangles.rotate_left(1);
+        assert!(front_of(&positions, &triangles).is_none());
+        let slowly = hits(&[&mesh(&triangles)], DVec3::ZERO, 16, &Cancel::new()).unwrap();
+        assert_eq!(whole, slowly);
+    }
+}

@@ -99,8 +99,14 @@ impl Plan {
         let middles = self.middles_of_chords(slope);
         let triangles = std::mem::take(&mut self.triangles);
         for triangle in triangles {
-            let middle = |i: usize| middles.get(&edge(triangle[i], triangle[(i + 1) % 3]));
-            let found = [0, 1, 2].map(|i| middle(i).copied());
+            let middle = |i: usize| {
+                let ends = [triangle[i], triangle[(i + 1) % 3]];
+                // Most edges are no chords, and looking them up would take longer than all the rest.
+                let may_be_chord = ends.iter().all(|&end| self.is_rim[end as usize]);
+                let found = may_be_chord.then(|| middles.get(&edge(ends[0], ends[1])));
+                found.flatten().copied()
+            };
+            let found = [0, 1, 2].map(middle);
             match found.iter().flatten().count() {
                 0 if triangle.iter().all(|&v| self.is_rim[v as usize]) => {
                     self.add_with_middle(triangle, slope);

@@ -36,7 +36,10 @@ fn project() -> Document {
         .apply("Title", Edit::SetTitle("Two trees".to_owned()))
         .unwrap();
     document.undo().unwrap();
-    document.view_mut().canvas_zoom = 0.1 + 0.2;
+    document.view_mut().canvas = Some(crate::document::CanvasView {
+        center: (0.1 + 0.2, -3.0),
+        zoom: 1.0 / 3.0,
+    });
     document
 }
 

@@ -205,15 +205,15 @@ pub struct AutosaveClock {
 }
 
 impl AutosaveClock {
-    /// Whether the project of `revision` is to be written now: it differs from what was written last
-    /// and has done so for some 20 seconds.
-    pub fn is_due(&mut self, revision: u64, now: Instant) -> bool {
+    /// How long until the project of `revision` is to be written: some 20 seconds after it began to
+    /// differ from what was written last; nothing while it does not.
+    pub fn due_in(&mut self, revision: u64, now: Instant) -> Option<Duration> {
         if self.written == Some(revision) {
             self.dirty_since = None;
-            return false;
+            return None;
         }
         let since = *self.dirty_since.get_or_insert(now);
-        now.saturating_duration_since(since) >= INTERVAL
+        Some(INTERVAL.saturating_sub(now.saturating_duration_since(since)))
     }
 
     /// Remembers what was written, as an autosave or by the user.

@@ -224,13 +224,11 @@ fn autosaves_are_due_while_less_than_thirty_seconds_are_at_stake() {
     let start = Instant::now();
     let after = |seconds| start + Duration::from_secs(seconds);
     clock.wrote(1);
-    assert!(!clock.is_due(1, after(500)), "nothing changed");
-    assert!(!clock.is_due(2, after(500)));
-    assert!(!clock.is_due(3, after(510)));
-    assert!(
-        clock.is_due(4, after(520)),
-        "since the first change, not the last"
-    );
+    assert_eq!(clock.due_in(1, after(500)), None, "nothing changed");
+    assert_eq!(clock.due_in(2, after(500)), Some(Duration::from_secs(20)));
+    assert_eq!(clock.due_in(3, after(510)), Some(Duration::from_secs(10)));
+    let since_the_first_change = clock.due_in(4, after(521));
+    assert_eq!(since_the_first_change, Some(Duration::ZERO));
     clock.wrote(4);
-    assert!(!clock.is_due(5, after(521)));
+    assert_eq!(clock.due_in(5, after(522)), Some(Duration::from_secs(20)));
 }

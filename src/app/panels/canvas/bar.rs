@@ -7,6 +7,7 @@ use super::super::super::selecting::{LineKind, Sketch};
 use super::super::super::studio::Studio;
 use super::super::super::theme::{GAP, ON_LABEL, TIGHT, label_color, tokens};
 use super::super::super::tools::{Overlay, Tool, ToolOption, label_name};
+use super::super::field::arithmetic;
 use super::icons;
 use egui::{
     Align2, Button, Color32, DragValue, FontId, Painter, Rect, Response, Role, Sense, Stroke, Ui,
@@ -114,7 +115,7 @@ fn icon_button(
 pub(super) fn options(ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
     ui.horizontal_wrapped(|ui| {
         ui.set_min_height(26.0);
-        if studio.tools.tool != Tool::Hand {
+        if studio.tools.tool.paints() {
             labels(ui, studio, actions);
             ui.separator();
         }
@@ -203,6 +204,9 @@ fn of_tool(ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
                 ui.weak("Click round the crown");
             }
         }
+        Tool::Depth => {
+            ui.weak("Drag the outline: outwards is deeper. Double-click adds or removes a handle");
+        }
         Tool::Hand => {
             ui.weak("Drag to move, wheel to zoom");
         }
@@ -218,6 +222,7 @@ fn size(ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
         .speed(speed)
         .range(1.5..=8192.0)
         .max_decimals(1)
+        .custom_parser(arithmetic)
         .suffix(" px");
     let tip = "Diameter of the brush in pixels of the picture. [ and ] change it, with Shift by 10; \
                so do Shift and drag, Alt and wheel.";
@@ -238,6 +243,7 @@ fn percent(ui: &mut Ui, name: &str, tip: &str, value: f64, changed: impl FnOnce(
         .speed(0.5)
         .range(0.0..=100.0)
         .max_decimals(0)
+        .custom_parser(arithmetic)
         .suffix(" %");
     if ui
         .add(field)
@@ -361,6 +367,7 @@ fn show(ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
         (Overlay::Contour, Command::Overlay(Overlay::Contour)),
         (Overlay::Pins, Command::Overlay(Overlay::Pins)),
         (Overlay::Baseline, Command::Overlay(Overlay::Baseline)),
+        (Overlay::Heat, Command::Overlay(Overlay::Heat)),
     ];
     for (overlay, command) in overlays {
         let Some(row) = TABLE.iter().find(|row| row.command == command) else {

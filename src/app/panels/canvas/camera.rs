@@ -3,6 +3,7 @@
 //! Places on the photograph are measured from its upper left corner, so the centre of its first pixel
 //! is (½, ½) here and (0, 0) for the tools.
 
+use crate::document::CanvasView;
 use crate::geometry::Point;
 use crate::paint::Sample;
 use egui::{Pos2, Rect, Vec2};
@@ -95,6 +96,24 @@ impl Camera {
         self.center = (size / 2.0).to_pos2();
         let zoom = (self.panel.width() / size.x).min(self.panel.height() / size.y);
         self.set_zoom(zoom * FITTED);
+    }
+
+    /// Where it looks, as a project keeps it.
+    pub(super) fn view(&self) -> CanvasView {
+        CanvasView {
+            center: (f64::from(self.center.x), f64::from(self.center.y)),
+            zoom: f64::from(self.zoom),
+        }
+    }
+
+    /// Looks where a project was looked at, if that is a place.
+    pub(super) fn look(&mut self, view: CanvasView) {
+        let (x, y) = view.center;
+        let center = Pos2::new(x as f32, y as f32);
+        if center.is_finite() && view.zoom > 0.0 {
+            self.center = center;
+            self.set_zoom(view.zoom as f32);
+        }
     }
 
     pub(super) fn show_pixels(&mut self) {

@@ -110,6 +110,16 @@ pub(super) fn tool(painter: &Painter, rect: Rect, tool: Tool, color: Color32) {
             star(&pad, (6.0, 5.4), 2.6);
             star(&pad, (16.6, 14.0), 2.6);
         }
+        Tool::Depth => {
+            // A crown's outline and a handle drawn out of it.
+            let arc = |i: i32| {
+                let angle = (50.0 + 28.0 * i as f32).to_radians();
+                (8.0 + 6.0 * angle.cos(), 11.0 + 6.0 * angle.sin())
+            };
+            pad.line(&(0..=9).map(arc).collect::<Vec<_>>());
+            pad.line(&[(12.0, 7.0), (15.6, 3.8)]);
+            pad.dot((16.2, 3.4), 2.2);
+        }
         Tool::Hand => {
             // Four arrows: what it does.
             pad.line(&[(10.0, 2.4), (10.0, 17.6)]);

@@ -177,7 +177,7 @@ fn pins(painter: &Painter, camera: &Camera, shape: &PictureShape) {
 }
 
 /// Text over a photograph.
-fn lettered(painter: &Painter, place: Pos2, align: Align2, text: &str) {
+pub(super) fn lettered(painter: &Painter, place: Pos2, align: Align2, text: &str) {
     let font = FontId::proportional(12.0);
     for offset in [
         vec2(1.0, 0.0),

@@ -362,6 +362,6 @@ fn write_maps(
 
 /// The digest of all that a tree is made of.
 fn record_digest(record: &TreeRecord) -> Digest {
-    let hasher: Hasher = recipe("vary");
+    let hasher: Hasher = recipe("vary 2");
     hasher.with(record.to_json().as_bytes()).finish()
 }

@@ -6,6 +6,7 @@
 
 mod contact;
 mod font;
+mod map;
 mod overlay;
 mod paint;
 mod scene;
@@ -13,6 +14,7 @@ mod silhouette;
 mod table;
 
 pub use contact::{Cell, contact_sheet};
+pub use map::map_sheet;
 pub use overlay::{Overlay, overlay};
 pub use silhouette::silhouette;
 pub use table::table_sheet;

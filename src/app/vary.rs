@@ -4,12 +4,13 @@
 //! never stand in the place of a newer one, and undo finds again what was made before.
 
 use crate::base::{Digest, Hasher};
-use crate::contour::PinnedContour;
 use crate::document::{ExemplarWeight, PhotoId, VariationSettings};
 use crate::geometry::Point;
 use crate::pipeline::{GalleryTree, Pool, gallery_slots, parts_of_mix};
 use crate::raster::{Image, Straight};
-use crate::variation::{Draft, Drafts, Entry, Library, Palette, Part, are_of_a_kind};
+use crate::variation::{
+    Draft, Drafts, Entry, Library, Palette, Part, Shape, are_of_a_kind, combined_outline,
+};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
@@ -160,10 +161,11 @@ impl Vary {
             return (Vec::new(), 1);
         };
         let entries = prepared.library.entries();
-        let contour = |part: &Part| (&entries[part.exemplar].shape.contour, part.contour_weight);
-        let contours: Vec<_> = parts.iter().map(contour).collect();
+        let shape = |part: &Part| entries[part.exemplar].shape.as_ref();
+        let weighted = |part: &Part| (shape(part), part.contour_weight, part.color_weight);
+        let weighted: Vec<(&Shape, f64, f64)> = parts.iter().map(weighted).collect();
         let size = entries[parts[0].exemplar].shape.size;
-        (PinnedContour::combined(&contours).points, size)
+        (combined_outline(&weighted).points, size)
     }
 
     /// Lays out gallery and favourites anew.

@@ -384,7 +384,7 @@ fn write_maps(
 
 /// The digest of all that a tree is made of.
 fn record_digest(record: &TreeRecord, segmenter: &str) -> Digest {
-    let hasher: Hasher = recipe("vary");
+    let hasher: Hasher = recipe("vary 2");
     hasher
         .with(segmenter.as_bytes())
         .with(record.to_json().as_bytes())

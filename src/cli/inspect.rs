@@ -145,7 +145,7 @@ impl Flags {
         drop(stage);
         session.cancel.check()?;
         let outlined = Outlined::new(&normalized, session.progress);
-        let shape = outlined.shape(&labels, settings, session.progress);
+        let shape = outlined.shape(&normalized.image, &labels, settings, session.progress);
         let (pins, _) = outlined.pins(&labels);
         Ok(Found {
             normalized,

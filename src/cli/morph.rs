@@ -10,7 +10,9 @@ use crate::base::{Digest, Hasher};
 use crate::raster::{Compression, Image, Premultiplied, Rect, Straight, encode_png, resized};
 use crate::segment::standard;
 use crate::sheet::{Cell, contact_sheet};
-use crate::variation::{Exemplar, ExemplarSettings, Layout, Source, WarpPrecision, synthesized};
+use crate::variation::{
+    Exemplar, ExemplarSettings, Layout, Leaves, Source, WarpPrecision, synthesized,
+};
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -152,15 +154,20 @@ impl Ends {
     }
 
     fn recipe(&self, t: f64) -> Hasher {
-        with_settings(recipe("morph"), &self.settings, standard())
+        with_settings(recipe("morph 2"), &self.settings, standard())
             .with(self.digests[0].bytes())
             .with(self.digests[1].bytes())
             .with(&t.to_le_bytes())
     }
 
     fn layout(&self, t: f64) -> Result<Layout, Failure> {
-        Layout::new(&[(&self.from.shape, 1.0 - t, 1.0 - t), (&self.to.shape, t, t)])
-            .map_err(|error| Failure::of(format!("{} and {}", self.names[0], self.names[1]), error))
+        let shapes = [(&self.from.shape, 1.0 - t, 1.0 - t), (&self.to.shape, t, t)];
+        let mut layout = Layout::new(&shapes).map_err(|error| {
+            Failure::of(format!("{} and {}", self.names[0], self.names[1]), error)
+        })?;
+        // Pieces of foliage would stand still while the tree moves.
+        layout.leaves = Leaves::Stretch;
+        Ok(layout)
     }
 
     fn image(

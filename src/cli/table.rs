@@ -7,19 +7,26 @@ use super::session::Session;
 use super::{Job, Stages};
 use crate::raster::{Compression, Image, Premultiplied, encode_png};
 use crate::segment::standard;
-use crate::sheet::{silhouette, table_sheet};
-use crate::variation::{Exemplar, ExemplarSettings, Layout, Source, WarpPrecision, synthesized};
+use crate::sheet::{map_sheet, silhouette, table_sheet};
+use crate::variation::{
+    CompatibilityGraph, Exemplar, ExemplarSettings, Layout, Shape, Source, WarpPrecision,
+    library_places, synthesized,
+};
 use clap::{Args, ValueEnum};
 use rayon::prelude::*;
 use serde_json::{Value, json};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Cross every tree of a folder with every other, on one sheet
 ///
 /// The outline in row i and column j is two thirds of tree i and one third of tree j; with --kind
 /// images it is filled with the picture of tree i. On the diagonal stand the trees themselves.
+/// With --kind compatibility it is a map instead: trees that go together stand side by side, and lines
+/// join each with those that random choice mixes it with.
 #[derive(Debug, Args)]
-#[command(after_help = "Example: boscage table --library trees --out table.png")]
+#[command(after_help = "Examples:
+  boscage table --library trees --out table.png
+  boscage table --library trees --kind compatibility --out map.png --json")]
 pub(super) struct Flags {
     /// A folder of tree pictures
     #[arg(long, value_name = "DIR")]
@@ -27,9 +34,10 @@ pub(super) struct Flags {
     /// What the cells show
     #[arg(long, value_enum, default_value_t, value_name = "KIND")]
     kind: Kind,
-    /// Most trees in the table; of more, some evenly spread over the folder
-    #[arg(long, default_value_t = 12, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=40))]
-    limit: u16,
+    /// Most trees in the table, 40 at most, or on the map; of more, some evenly spread over the folder
+    /// [default: 12, on the map all]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..))]
+    limit: Option<u16>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
@@ -39,10 +47,18 @@ enum Kind {
     /// The row's picture warped into the outline
     #[default]
     Images,
+    /// A map of which trees go together
+    Compatibility,
 }
 
 /// The row's share of a cell's outline (*Tree Variations*, Fig. 13–14).
 const ROW_WEIGHT: f64 = 2.0 / 3.0;
+
+/// Trees in a table where nothing else is asked for.
+const USUAL_LIMIT: u16 = 12;
+
+/// Most trees in a table: beyond, its cells are more than a screen can show.
+const MOST_CROSSED: u16 = 40;
 
 /// Side of the prepared pictures, in pixels.
 const PICTURE_PX: u32 = 256;
@@ -63,8 +79,11 @@ impl Job for Flags {
             return session.print_json(|| json!({"file": null}));
         }
         session.output.check([out])?;
-        let files = spread(picture_files(&self.library)?, self.limit.into());
+        let files = spread(picture_files(&self.library)?, self.checked_limit()?);
         let trees = self.prepared(&files, session)?;
+        if self.kind == Kind::Compatibility {
+            return compatibility(&trees, out, session);
+        }
         let (images, distortion) = crossings(&trees, self.kind, session)?;
         let stage = session.progress.stage("sheet", 1);
         let originals: Vec<Image<Premultiplied>> =
@@ -101,12 +120,24 @@ impl Tree {
     fn shown(&self, kind: Kind) -> Image<Premultiplied> {
         match kind {
             Kind::Contours => silhouette(&self.exemplar.shape.contour.points, PICTURE_PX),
-            Kind::Images => self.exemplar.image.clone(),
+            Kind::Images | Kind::Compatibility => self.exemplar.image.clone(),
         }
     }
 }
 
 impl Flags {
+    fn checked_limit(&self) -> Result<usize, Failure> {
+        match (self.kind, self.limit) {
+            (Kind::Compatibility, limit) => Ok(limit.map_or(usize::MAX, usize::from)),
+            (_, Some(limit)) if limit > MOST_CROSSED => {
+                let reason =
+                    format!("a table has {MOST_CROSSED} trees at most; {limit} are asked for");
+                Err(Failure::of("--limit", reason))
+            }
+            (_, limit) => Ok(limit.unwrap_or(USUAL_LIMIT).into()),
+        }
+    }
+
     fn prepared(&self, files: &[PathBuf], session: &Session<'_>) -> Result<Vec<Tree>, Failure> {
         let settings = ExemplarSettings {
             size: PICTURE_PX,
@@ -150,6 +181,63 @@ fn spread(files: Vec<PathBuf>, limit: usize) -> Vec<PathBuf> {
     (0..limit)
         .map(|i| files[i * files.len() / limit].clone())
         .collect()
+}
+
+/// Draws the map of `trees` and prints their graph.
+fn compatibility(trees: &[Tree], out: &Path, session: &Session<'_>) -> Result<(), Failure> {
+    let stage = session.progress.stage("cells", 1);
+    let shapes: Vec<&Shape> = trees.iter().map(|tree| &tree.exemplar.shape).collect();
+    let graph = CompatibilityGraph::of(&shapes);
+    session.cancel.check()?;
+    let places = library_places(&shapes);
+    drop(stage);
+    session.cancel.check()?;
+    let stage = session.progress.stage("sheet", 1);
+    let images: Vec<&Image<Premultiplied>> =
+        trees.iter().map(|tree| &tree.exemplar.image).collect();
+    let (side, tree) = map_sides(trees.len());
+    let map = map_sheet(&images, &places, &graph.edges(), side, tree);
+    session
+        .output
+        .write(out, &encode_png(&map, Compression::Small))?;
+    drop(stage);
+    session.print_json(|| {
+        let exemplars = trees.iter().zip(&places).zip(&graph.neighbours);
+        let exemplars = exemplars.map(|((tree, place), neighbours)| {
+            let shape = &tree.exemplar.shape;
+            let neighbours = neighbours.iter().map(|neighbour| {
+                json!({
+                    "exemplar": neighbour.exemplar,
+                    "distance": neighbour.distance,
+                    "foreseen": [neighbour.foreseen.own, neighbour.foreseen.other],
+                })
+            });
+            json!({
+                "file": tree.file.display().to_string(),
+                "place": [place.x, place.y],
+                "has_trunk": shape.contour.pins.has_trunk(),
+                "density": shape.density,
+                "fullness": shape.fullness,
+                "texture": shape.texture,
+                "neighbours": neighbours.collect::<Vec<Value>>(),
+            })
+        });
+        json!({
+            "file": out.display().to_string(),
+            "width": map.width(),
+            "height": map.height(),
+            "exemplars": exemplars.collect::<Vec<Value>>(),
+            "seconds": session.seconds(),
+        })
+    })
+}
+
+/// Sides of the map of `count` trees and of each of its trees, in pixels.
+fn map_sides(count: usize) -> (u32, u32) {
+    let tree = 110;
+    // Trees lie denser in the middle than on the rim: three times the room that they need.
+    let side = (3.0 * count as f64).sqrt() * f64::from(tree);
+    ((side as u32).clamp(640, 6_400), tree)
 }
 
 /// What a cell shows; `None` where nothing could be made.
@@ -202,7 +290,7 @@ fn crossing(
     };
     let image = match kind {
         Kind::Contours => silhouette(&layout.contour.points, PICTURE_PX),
-        Kind::Images => poured(&layout, row, column, session)?,
+        Kind::Images | Kind::Compatibility => poured(&layout, row, column, session)?,
     };
     Ok((Some(image), json!(layout.distortion)))
 }
@@ -238,7 +326,6 @@ fn poured(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::path::Path;
 
     #[test]
     fn a_large_folder_is_thinned_evenly() {

@@ -7,7 +7,7 @@
 use crate::base::Seed;
 use crate::document::{self, ExemplarWeight, Favourite, PhotoId, VariationSettings};
 use crate::variation::{
-    CageError, ChoiceSettings, Chosen, Coloring, Library, Part, Shape, chosen, parts_near,
+    ChoiceError, ChoiceSettings, Chosen, Coloring, Library, Part, Shape, chosen, parts_near,
 };
 
 /// The settings of random choice that `settings` mean.
@@ -83,7 +83,7 @@ impl Pool {
     /// Decides on `tree` of `library`; the parts' indices are those of the library.
     ///
     /// # Errors
-    /// [`CageError`] when the combined cage has no area.
+    /// [`ChoiceError`] when the combined cage has no area or no two members match.
     ///
     /// # Panics
     /// When a tree is drawn and there are no members.
@@ -92,12 +92,14 @@ impl Pool {
         library: &Library<'_>,
         tree: &GalleryTree,
         settings: &ChoiceSettings,
-    ) -> Result<Chosen, CageError> {
+    ) -> Result<Chosen, ChoiceError> {
         let entries = library.entries();
         let all = || -> Vec<&Shape> { entries.iter().map(|entry| entry.shape.as_ref()).collect() };
         match tree {
-            GalleryTree::Kept(parts) => Chosen::of(parts.clone(), &all()),
-            GalleryTree::Near(parts, seed) => Chosen::of(parts_near(parts, Seed(*seed)), &all()),
+            GalleryTree::Kept(parts) => Ok(Chosen::of(parts.clone(), &all())?),
+            GalleryTree::Near(parts, seed) => {
+                Ok(Chosen::of(parts_near(parts, Seed(*seed)), &all())?)
+            }
             GalleryTree::Drawn(seed) => {
                 let shape = |index: &usize| entries[*index].shape.as_ref();
                 let shapes: Vec<&Shape> = self.members.iter().map(shape).collect();

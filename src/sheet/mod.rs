@@ -6,6 +6,7 @@
 
 mod contact;
 mod font;
+mod map;
 mod overlay;
 mod paint;
 mod scene;
@@ -14,6 +15,7 @@ mod stand;
 mod table;
 
 pub use contact::{Cell, contact_sheet};
+pub use map::map_sheet;
 pub use overlay::{Overlay, overlay};
 pub use silhouette::silhouette;
 pub use stand::{Forest, rows_of_trees};

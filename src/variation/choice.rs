@@ -1,10 +1,15 @@
 //! Which exemplars become a new tree, and how much of each.
 //!
 //! The paper picks two at random (Argudo, Andújar & Chica 2017, *Tree Variations*, §6.5) and shows
-//! where that ends: a thin, sparse tree poured into a thick outline (Fig. 15). We draw again, up to
-//! [`DRAWS`] times, until trees match in kind (trunk, density) and the measured distortion is small;
-//! if none is, the least distorted draw is taken and says so.
+//! where that ends: a thin, sparse tree poured into a thick outline (Fig. 15). We walk on the graph of
+//! trees that go together (its §7, see `compatibility`), from one exemplar to a near one, up to
+//! [`DRAWS`] times, until the measured distortion is small; if none is, the least distorted draw is
+//! taken and says so. Where no two exemplars are of a kind nothing is mixed, unless any pair may be.
+//!
+//! The graph's edges from an exemplar are found when the walk comes there: a large library need not
+//! be looked at whole to make ten trees.
 
+use super::compatibility::{NEIGHBOURS, Traits, are_of_a_kind, seen_from};
 use super::mean_value::CageError;
 use super::{Distortion, Layout, Shape};
 use crate::base::{Random, Seed};
@@ -13,9 +18,19 @@ use serde::{Deserialize, Serialize};
 /// Draws for one tree at most; with the 39 real trees some five are needed.
 const DRAWS: u64 = 24;
 
-/// Largest difference in density, 0 to 1, of trees that are mixed: a bare tree (0.6) is not mixed
-/// with a dense one (0.9), sparse foliage (0.75) is.
-const DENSITY_RANGE: f64 = 0.2;
+/// Why no tree could be decided on.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum ChoiceError {
+    /// The combined cage has no area.
+    #[error(transparent)]
+    Cage(#[from] CageError),
+    /// Nothing may be mixed.
+    #[error("no two of these trees match in trunk and density; any pair must be allowed")]
+    NoMatch,
+    /// Nothing may be mixed with the target.
+    #[error("no tree matches the target in trunk and density; any pair must be allowed")]
+    NoMatchForTarget,
+}
 
 /// How a tree gets its colours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -40,7 +55,7 @@ pub struct ChoiceSettings {
     /// In target mode, how far a tree may go from the target: 0 copies it, at 1 half of the
     /// outline comes from other trees.
     pub strength: f64,
-    /// Whether pairs that do not match are drawn again.
+    /// Whether only trees that match are mixed, and pairs that are much distorted drawn again.
     pub selective: bool,
 }
 
@@ -101,7 +116,8 @@ impl Chosen {
 /// any. The same arguments give the same tree.
 ///
 /// # Errors
-/// [`CageError`] when no draw gives a cage with an area.
+/// [`ChoiceError`] when no draw gives a cage with an area, or no two exemplars match and
+/// `settings` ask for such that do.
 ///
 /// # Panics
 /// When there are no shapes.
@@ -110,16 +126,25 @@ pub fn chosen(
     target: Option<usize>,
     settings: &ChoiceSettings,
     seed: Seed,
-) -> Result<Chosen, CageError> {
+) -> Result<Chosen, ChoiceError> {
     let mut best: Option<Chosen> = None;
-    let mut last_error = CageError::NoArea { index: 0 };
+    let mut last_error = match target {
+        Some(_) => ChoiceError::NoMatchForTarget,
+        None => ChoiceError::NoMatch,
+    };
+    let traits: Vec<Traits> = match settings.selective && settings.mix > 1 {
+        true => shapes.iter().map(|shape| Traits::of(shape)).collect(),
+        false => Vec::new(),
+    };
     for draw in 0..DRAWS {
         let mut random = seed.derive("draw", draw).random();
-        let parts = drawn(shapes, target, settings, &mut random);
+        let Some(parts) = drawn(shapes, &traits, target, settings, &mut random) else {
+            continue;
+        };
         let chosen = match Chosen::of(parts, shapes) {
             Ok(chosen) => chosen,
             Err(error) => {
-                last_error = error;
+                last_error = error.into();
                 continue;
             }
         };
@@ -165,16 +190,24 @@ pub fn parts_near(parts: &[Part], seed: Seed) -> Vec<Part> {
     near.collect()
 }
 
-/// One draw of exemplars and weights.
+/// One draw of exemplars and weights; `None` when the first exemplar goes with no other.
 fn drawn(
     shapes: &[&Shape],
+    traits: &[Traits],
     target: Option<usize>,
     settings: &ChoiceSettings,
     random: &mut Random,
-) -> Vec<Part> {
+) -> Option<Vec<Part>> {
     let first = target.unwrap_or_else(|| random.below(shapes.len()));
-    let mut exemplars = vec![first];
-    exemplars.extend(companions(shapes, first, target, settings, random));
+    let wanted = settings.mix.saturating_sub(1);
+    let exemplars = match settings.selective {
+        true => walk(shapes, traits, first, wanted, random),
+        false => any_with(shapes.len(), first, wanted, random),
+    };
+    let is_alone = exemplars.len() == 1 && wanted > 0 && shapes.len() > 1;
+    if is_alone {
+        return None;
+    }
     let contour_weights = match target {
         Some(_) => target_weights(exemplars.len(), settings.strength, random),
         None => free_weights(exemplars.len(), settings.weights, random),
@@ -193,50 +226,56 @@ fn drawn(
         }
     };
     let weights = contour_weights.into_iter().zip(color_weights);
-    exemplars
-        .into_iter()
-        .zip(weights)
-        .map(|(exemplar, (contour_weight, color_weight))| Part {
-            exemplar,
-            contour_weight,
-            color_weight,
-        })
-        .collect()
+    let parts = exemplars.into_iter().zip(weights);
+    let part = |(exemplar, (contour_weight, color_weight))| Part {
+        exemplar,
+        contour_weight,
+        color_weight,
+    };
+    Some(parts.map(part).collect())
 }
 
-/// The exemplars that join `first`: such as match it where there are enough.
-fn companions(
+/// `first` and `wanted` others at most: a walk on the graph of trees that go together, each step to a
+/// near one that is of a kind with all before.
+fn walk(
     shapes: &[&Shape],
+    traits: &[Traits],
     first: usize,
-    target: Option<usize>,
-    settings: &ChoiceSettings,
+    wanted: usize,
     random: &mut Random,
 ) -> Vec<usize> {
-    let wanted = settings.mix.saturating_sub(1);
-    let others: Vec<usize> = (0..shapes.len())
-        .filter(|&i| i != first && Some(i) != target)
-        .collect();
-    let matching: Vec<usize> = others
-        .iter()
-        .copied()
-        .filter(|&i| are_of_a_kind(shapes[first], shapes[i]))
-        .collect();
-    let enough = settings.selective && (matching.len() >= wanted || !matching.is_empty());
-    let pool = if enough { matching } else { others };
-    random
-        .choose(pool.len(), wanted)
-        .into_iter()
-        .map(|i| pool[i])
-        .collect()
+    let mut path = vec![first];
+    while path.len() <= wanted {
+        let goes_with_all = |new: usize| {
+            let mut path = path.iter();
+            path.all(|&old| old != new && are_of_a_kind(shapes[old], shapes[new]))
+        };
+        let nearest = |from: usize| -> Vec<usize> {
+            let seen = seen_from(from, shapes, traits).into_iter();
+            let near = seen.map(|neighbour| neighbour.exemplar);
+            near.filter(|&i| goes_with_all(i))
+                .take(NEIGHBOURS)
+                .collect()
+        };
+        let mut near = nearest(path[path.len() - 1]);
+        if near.is_empty() && path.len() > 1 {
+            near = nearest(first);
+        }
+        if near.is_empty() {
+            break;
+        }
+        path.push(near[random.below(near.len())]);
+    }
+    path
 }
 
-/// Whether two trees are of a kind: both with or both without a trunk, and about as dense. Such mix
-/// well.
-pub fn are_of_a_kind(a: &Shape, b: &Shape) -> bool {
-    // A cage may lose the trunk that the outline has: between strands that hang to the ground.
-    a.contour.pins.has_trunk() == b.contour.pins.has_trunk()
-        && a.cage.pins.has_trunk() == b.cage.pins.has_trunk()
-        && (a.density - b.density).abs() <= DENSITY_RANGE
+/// `first` and `wanted` others of `count`, any.
+fn any_with(count: usize, first: usize, wanted: usize, random: &mut Random) -> Vec<usize> {
+    let others: Vec<usize> = (0..count).filter(|&i| i != first).collect();
+    let chosen = random.choose(others.len(), wanted);
+    std::iter::once(first)
+        .chain(chosen.into_iter().map(|i| others[i]))
+        .collect()
 }
 
 /// Weights of `count` exemplars: of two the first in the given range, of more any.
@@ -346,6 +385,9 @@ mod tests {
             contour,
             baseline_y: Some(80.0),
             density,
+            fullness: density,
+            texture: 0.01,
+            gaps: Vec::new(),
         }
     }
 
@@ -382,6 +424,23 @@ mod tests {
             assert!(found.parts[0].contour_weight >= 0.65);
             assert_eq!(found.parts[0].color_weight, 1.0);
         }
+    }
+
+    #[test]
+    fn a_sparse_tree_and_a_thick_one_are_mixed_only_when_asked() {
+        let shapes = [shape(40.0, 0.3), shape(45.0, 0.9)];
+        let shapes: Vec<&Shape> = shapes.iter().collect();
+        let mut settings = ChoiceSettings::default();
+        for seed in 0..20 {
+            let free = chosen(&shapes, None, &settings, Seed(seed));
+            assert_eq!(free.map(|found| found.parts), Err(ChoiceError::NoMatch));
+            let aimed = chosen(&shapes, Some(1), &settings, Seed(seed));
+            let aimed = aimed.map(|found| found.parts);
+            assert_eq!(aimed, Err(ChoiceError::NoMatchForTarget));
+        }
+        settings.selective = false;
+        let found = chosen(&shapes, None, &settings, Seed(1)).unwrap();
+        assert_eq!(found.parts.len(), 2);
     }
 
     #[test]

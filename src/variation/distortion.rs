@@ -61,7 +61,9 @@ impl Distortion {
         }
     }
 
-    fn summed_up(jacobians: &[[f64; 4]]) -> Self {
+    /// The distortion of a map with these derivatives, [∂x/∂x′, ∂x/∂y′, ∂y/∂x′, ∂y/∂y′], at places of
+    /// equal area.
+    pub(super) fn summed_up(jacobians: &[[f64; 4]]) -> Self {
         if jacobians.is_empty() {
             return Self::NONE;
         }
@@ -95,7 +97,7 @@ impl Distortion {
 }
 
 /// The points of a regular grid that are inside `contour`, by the even–odd rule.
-fn sample_points(contour: &[Point]) -> Vec<Point> {
+pub(super) fn sample_points(contour: &[Point]) -> Vec<Point> {
     let low = contour
         .iter()
         .copied()

@@ -3,10 +3,12 @@
 //! After Argudo, Andújar & Chica, *Tree Variations* (2017), §4. The steps are functions of their
 //! own, so that `inspect` can show each; [`Exemplar::prepare`] runs them in order.
 
+use super::gaps::gaps;
+use super::measures::{fullness, texture};
 use super::normalize::{Normalized, normalized};
 use crate::base::{Cancel, Cancelled, Progress};
 use crate::contour::{HandPins, Outlines, PinnedContour, Pins, filled, outlines, pins};
-use crate::geometry::Point;
+use crate::geometry::{Point, Polygon};
 use crate::raster::{
     Image, Mask, Premultiplied, Rect, Straight, dilated, labelled_components, resized,
 };
@@ -108,6 +110,12 @@ pub struct Shape {
     pub baseline_y: Option<f64>,
     /// Share of the outline's inside that is opaque, 0 to 1: how dense the tree is.
     pub density: f64,
+    /// Share of the crown's convex hull that is opaque, 0 to 1: how much of a crown there is.
+    pub fullness: f64,
+    /// How coarse the foliage is: the distance at which it looks like another place, per picture side.
+    pub texture: f64,
+    /// The largest gaps between branches, the largest first.
+    pub gaps: Vec<Polygon>,
 }
 
 /// A prepared tree picture.
@@ -164,7 +172,7 @@ impl Exemplar {
             by_hand,
             ..Outlined::new(&normalized, progress)
         };
-        let shape = outlined.shape(&labels, settings, progress);
+        let shape = outlined.shape(&normalized.image, &labels, settings, progress);
         Ok(Self {
             shape,
             image: normalized.image,
@@ -188,6 +196,13 @@ impl Shape {
             cage: scaled(&self.cage),
             baseline_y: self.baseline_y.map(|y| y * scale),
             density: self.density,
+            fullness: self.fullness,
+            texture: self.texture,
+            gaps: self
+                .gaps
+                .iter()
+                .map(|gap| gap.iter().map(|point| *point * scale).collect())
+                .collect(),
         }
     }
 }
@@ -274,9 +289,10 @@ impl Outlined {
         (pins(&self.longest, baseline_y, on_trunk), baseline_y)
     }
 
-    /// The outline as vectors: resampled contour and cage.
+    /// The outline of `image` as vectors: resampled contour and cage; and what else is compared.
     pub fn shape(
         &self,
+        image: &Image<Premultiplied>,
         labels: &Labels,
         settings: &ExemplarSettings,
         progress: Progress<'_>,
@@ -290,6 +306,7 @@ impl Outlined {
         let _stage = progress.stage("simplify", 1);
         let inside = filled(&contour.points, Point::ZERO, settings.size, settings.size);
         let cage = cage(&contour, &self.mask, settings);
+        let gaps = gaps(&cage.points, &self.mask);
         let opaque = inside
             .pixels()
             .iter()
@@ -302,6 +319,9 @@ impl Outlined {
             cage,
             baseline_y,
             density,
+            fullness: fullness(&self.mask, labels),
+            texture: texture(image, &self.mask, labels),
+            gaps,
         }
     }
 }
@@ -314,12 +334,12 @@ fn cage(contour: &PinnedContour, mask: &Mask, settings: &ExemplarSettings) -> Pi
     let radius = (DILATION_AT_1024 * f64::from(settings.size) / 1024.0)
         .round()
         .max(2.0);
-    let margin = radius as u32 + 2;
+    let margin = (radius + BRIDGE_AT_1024 * f64::from(settings.size) / 1024.0) as u32 + 3;
     let side = settings.size + 2 * margin;
     let offset = Point::splat(f64::from(margin));
     let mut inside = filled(&contour.points, offset, side, side);
     add_floating_parts(&mut inside, mask, margin, radius as u8);
-    let grown = dilated(&inside, radius as u8);
+    let grown = closed_and_grown(&inside, radius, settings.size);
     let outer: Vec<Point> = outlines(&grown)
         .longest_exterior()
         .unwrap_or_else(|| unreachable!("a filled contour has an inside"))
@@ -328,6 +348,22 @@ fn cage(contour: &PinnedContour, mask: &Mask, settings: &ExemplarSettings) -> Pi
         .collect();
     let pins = moved_pins(contour, &outer, radius);
     PinnedContour::with_feet(&outer, pins, settings.simplified)
+}
+
+/// Bays of the outline up to twice this width are bridged by the cage, for pictures of 1,024 pixels.
+///
+/// Departure from the paper: round every branch the way is so long that hundred vertices, equally far
+/// apart, meet the tips of one tree and the forks of the next. Of the 1,482 ordered pairs of 39 real
+/// trees mixed by halves 72 % folded nowhere without bridges, 98.1 % with 24 pixels and 99.7 % with 48;
+/// the mean stretching was 2.4, 1.7 and 1.6. The branches are in the picture's alpha.
+const BRIDGE_AT_1024: f64 = 48.0;
+
+/// `inside` with narrow gaps bridged, grown by `radius`.
+fn closed_and_grown(inside: &Mask, radius: f64, size: u32) -> Mask {
+    let bridge = (BRIDGE_AT_1024 * f64::from(size) / 1024.0).round();
+    let far = dilated(inside, (bridge + radius).min(255.0) as u8);
+    let outside = far.map(|inside| !inside);
+    dilated(&outside, bridge.min(255.0) as u8).map(|outside| !outside)
 }
 
 /// Adds to `inside` the parts of `mask` that a dilation by `radius` of both would join to it.
@@ -352,27 +388,25 @@ fn add_floating_parts(inside: &mut Mask, mask: &Mask, margin: u32, radius: u8) {
 
 /// The pins of `contour` on the wider outline `outer`.
 fn moved_pins(contour: &PinnedContour, outer: &[Point], radius: f64) -> Pins {
-    let nearest = |to: Point| {
+    let count = outer.len();
+    let nearest = |to: Point, among: &mut dyn Iterator<Item = usize>| {
         let distance = |i: &usize| outer[*i].distance_squared(to);
-        (0..outer.len())
+        among
             .min_by(|a, b| distance(a).total_cmp(&distance(b)))
             .unwrap_or(0)
     };
-    let bottom = nearest(contour.bottom() + Point::new(0.0, radius));
-    if !contour.pins.has_trunk() {
+    let bottom = nearest(contour.bottom() + Point::new(0.0, radius), &mut (0..count));
+    if !contour.pins.has_trunk() || count < 4 {
         return Pins::without_trunk(bottom);
     }
-    // The sides of a trunk are upright: its dilation moves them sideways.
-    let right = nearest(contour.right() + Point::new(radius, 0.0));
-    let left = nearest(contour.left() - Point::new(radius, 0.0));
-    let after_bottom = |i: usize| (i + outer.len() - bottom) % outer.len();
-    if 0 < after_bottom(right) && after_bottom(right) < after_bottom(left) {
-        Pins {
-            bottom,
-            left,
-            right,
-        }
-    } else {
-        Pins::without_trunk(bottom)
+    // The sides of a trunk are upright: its dilation moves them sideways. Each is looked for on its
+    // own half of the way round, where a bridge may have hidden it.
+    let half = |steps: std::ops::Range<usize>| steps.map(|step| (bottom + step) % count);
+    let right = contour.right() + Point::new(radius, 0.0);
+    let left = contour.left() - Point::new(radius, 0.0);
+    Pins {
+        bottom,
+        right: nearest(right, &mut half(1..count / 2)),
+        left: nearest(left, &mut half(count / 2..count)),
     }
 }

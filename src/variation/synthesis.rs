@@ -15,16 +15,20 @@
 //! under 1 GB/s of the 30 GB/s that a copy moves there. What limits is arithmetic: the maps are at
 //! the pace of the vector units, the mix still spends most of its time gathering and spilling lanes.
 
+use super::gaps::common_gaps;
+use super::leaf_size::LeafSize;
+use super::matched::{combined, combined_outline, matched};
 use super::mean_value::{Cage, CageError};
 use super::mix::MixTile;
 use super::warp::{TILE, Warp, WarpPrecision, WarpTile, needed_pixels};
 use super::{Distortion, Exemplar, Shape};
 use crate::base::{Cancel, Cancelled, with_level_of_cpu};
 use crate::contour::{PinnedContour, filled};
-use crate::geometry::Point;
+use crate::geometry::{Point, Polygon};
 use crate::raster::{Image, Mask, Premultiplied};
 use crate::segment::{Label, Labels};
 use rayon::prelude::*;
+use std::borrow::Cow;
 
 /// What one exemplar gives to a new tree.
 #[derive(Debug, Clone, Copy)]
@@ -46,6 +50,16 @@ pub struct Variation {
     pub labels: Labels,
 }
 
+/// What becomes of leaves where a map stretches.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Leaves {
+    /// Foliage comes in pieces of its natural size.
+    #[default]
+    KeepTheirSize,
+    /// They are drawn out: for pictures in motion.
+    Stretch,
+}
+
 /// The outline of a new tree and the maps back to its sources, before any pixel is made.
 #[derive(Debug, Clone)]
 pub struct Layout {
@@ -59,6 +73,8 @@ pub struct Layout {
     pub warps: Vec<Warp>,
     /// The worst distortion among the maps whose source gives colour.
     pub distortion: Distortion,
+    /// What becomes of leaves where a map stretches.
+    pub leaves: Leaves,
 }
 
 /// Most steps of a composite map: more than 16 changed nothing on 741 pairs of real trees.
@@ -78,27 +94,17 @@ impl Layout {
     /// When there are no shapes or they were prepared with different settings.
     pub fn new(shapes: &[(&Shape, f64, f64)]) -> Result<Self, CageError> {
         let size = shapes[0].0.size;
-        let contours: Vec<_> = shapes.iter().map(|(s, w, _)| (&s.contour, *w)).collect();
-        let cages: Vec<_> = shapes.iter().map(|(s, w, _)| (&s.cage, *w)).collect();
-        let contour = PinnedContour::combined(&contours);
-        let cage = PinnedContour::combined(&cages);
-        let target = Cage::new(std::slice::from_ref(&cage.points))?;
-        let mut distortion = Distortion::NONE;
-        let mut warps = Vec::with_capacity(shapes.len());
-        for (shape, _, color_weight) in shapes {
-            let source = target.moved(shape.cage.points.clone())?;
-            let warp = Warp::new(&target, &source, steps_between(&cage, &shape.cage, size))?;
-            if *color_weight > 0.0 {
-                distortion = distortion.worst(Distortion::of(&warp, &contour.points));
-            }
-            warps.push(warp);
-        }
+        let contour = combined_outline(shapes);
+        let cages = matched(shapes, |shape| &shape.cage);
+        let cage = combined(&cages, shapes);
+        let maps = Maps::new(&cage, &cages, shapes)?;
         Ok(Self {
             size,
             contour,
             cage,
-            warps,
-            distortion,
+            warps: maps.warps,
+            distortion: maps.distortion,
+            leaves: Leaves::default(),
         })
     }
 
@@ -115,15 +121,96 @@ impl Layout {
     }
 }
 
+/// The maps of a mix, and the worst distortion among those whose source gives colour.
+struct Maps {
+    warps: Vec<Warp>,
+    distortion: Distortion,
+}
+
+/// How much worse maps may get, see [`Distortion::penalty`], for gaps that stay where they belong.
+const WORSE_FOR_GAPS: f64 = 1.1;
+
+impl Maps {
+    /// The maps from `cage`, the combination of `cages`, to each of these; with the gaps that all
+    /// `shapes` have, unless the maps get worse by them.
+    fn new(
+        cage: &PinnedContour,
+        cages: &[Cow<'_, PinnedContour>],
+        shapes: &[(&Shape, f64, f64)],
+    ) -> Result<Self, CageError> {
+        let weights: Vec<(f64, f64)> = shapes.iter().map(|(_, c, p)| (*c, *p)).collect();
+        let size = shapes[0].0.size;
+        let target = Cage::new(std::slice::from_ref(&cage.points))?;
+        let sources: Vec<Cage> = cages
+            .iter()
+            .map(|own| target.moved(own.points.clone()))
+            .collect::<Result<_, _>>()?;
+        let without = Self::between(&target, &sources, &cage.points, &weights, size)?;
+        let gaps: Vec<&[Polygon]> = shapes.iter().map(|(s, _, _)| s.gaps.as_slice()).collect();
+        let common = common_gaps(&sources, &gaps);
+        if shapes.len() < 2 || common[0].is_empty() {
+            return Ok(without);
+        }
+        let mut polygons = vec![cage.points.clone()];
+        polygons.extend((0..common[0].len()).map(|gap| {
+            let parts = common.iter().zip(&weights);
+            let parts = parts.map(|(own, (weight, _))| (&own[gap], *weight));
+            weighted_sum(parts)
+        }));
+        let Ok(target) = Cage::new(&polygons) else {
+            return Ok(without);
+        };
+        let with_gaps = cages.iter().zip(&common).map(|(own, gaps)| {
+            let points = own.points.iter().chain(gaps.iter().flatten());
+            target.moved(points.copied().collect())
+        });
+        let sources: Vec<Cage> = with_gaps.collect::<Result<_, _>>()?;
+        let with = Self::between(&target, &sources, &cage.points, &weights, size)?;
+        let (found, limit) = (&with.distortion, &without.distortion);
+        let is_good =
+            found.folded <= limit.folded && found.penalty() <= WORSE_FOR_GAPS * limit.penalty();
+        Ok(if is_good { with } else { without })
+    }
+
+    /// The maps from `target` to `sources`, whose shares are `weights` of outline and colours, measured
+    /// inside the polygon `inside`.
+    fn between(
+        target: &Cage,
+        sources: &[Cage],
+        inside: &[Point],
+        weights: &[(f64, f64)],
+        size: u32,
+    ) -> Result<Self, CageError> {
+        let mut distortion = Distortion::NONE;
+        let mut warps = Vec::with_capacity(sources.len());
+        for (source, (_, color_weight)) in sources.iter().zip(weights) {
+            let steps = steps_between(target.points(), source.points(), size);
+            let warp = Warp::new(target, source, steps)?;
+            if *color_weight > 0.0 {
+                distortion = distortion.worst(Distortion::of(&warp, inside));
+            }
+            warps.push(warp);
+        }
+        Ok(Self { warps, distortion })
+    }
+}
+
+/// Σ wᵢ·pᵢ of polygons of the same number of points.
+fn weighted_sum<'a>(parts: impl Iterator<Item = (&'a Polygon, f64)>) -> Polygon {
+    let mut sum: Polygon = Vec::new();
+    for (polygon, weight) in parts {
+        sum.resize(polygon.len(), Point::ZERO);
+        for (sum, point) in sum.iter_mut().zip(polygon) {
+            *sum += *point * weight;
+        }
+    }
+    sum
+}
+
 /// Steps of the composite map between two cages of pictures of `size` pixels.
-fn steps_between(from: &PinnedContour, to: &PinnedContour, size: u32) -> usize {
-    let count = from.points.len() as f64;
-    let moved: f64 = from
-        .points
-        .iter()
-        .zip(&to.points)
-        .map(|(a, b)| a.distance(*b))
-        .sum();
+fn steps_between(from: &[Point], to: &[Point], size: u32) -> usize {
+    let count = from.len() as f64;
+    let moved: f64 = from.iter().zip(to).map(|(a, b)| a.distance(*b)).sum();
     let step = STEP_AT_1024_PX * f64::from(size) / 1024.0;
     ((moved / count / step).ceil() as usize).clamp(1, MOST_STEPS)
 }
@@ -140,6 +227,20 @@ pub fn synthesized(
 ) -> Result<Variation, Cancelled> {
     let size = layout.size as usize;
     let inside = layout.inside();
+    let giving: Vec<Giving<'_>> = layout
+        .warps
+        .iter()
+        .zip(sources)
+        .filter(|(_, source)| source.color_weight > 0.0)
+        .map(|(warp, source)| Giving {
+            warp,
+            source,
+            pieces: match layout.leaves {
+                Leaves::KeepTheirSize => LeafSize::new(warp, source.exemplar, &inside),
+                Leaves::Stretch => None,
+            },
+        })
+        .collect();
     let mut pixels = vec![Premultiplied::default(); size * size];
     let mut labels = vec![Label::Background; size * size];
     pixels
@@ -154,7 +255,7 @@ pub fn synthesized(
                 pixels,
                 labels,
             };
-            rows.fill(layout, sources, &inside, precision);
+            rows.fill(&giving, &inside, precision);
             Ok(())
         })?;
     Ok(Variation {
@@ -171,31 +272,31 @@ struct Band<'a> {
     labels: &'a mut [Label],
 }
 
+/// A source that gives colours.
+struct Giving<'a> {
+    warp: &'a Warp,
+    source: &'a Source<'a>,
+    pieces: Option<LeafSize<'a>>,
+}
+
 impl Band<'_> {
-    fn fill(
-        self,
-        layout: &Layout,
-        sources: &[Source<'_>],
-        inside: &Mask,
-        precision: WarpPrecision,
-    ) {
-        let giving: Vec<(&Warp, &Source<'_>)> = layout
-            .warps
-            .iter()
-            .zip(sources)
-            .filter(|(_, s)| s.color_weight > 0.0)
-            .collect();
+    fn fill(self, giving: &[Giving<'_>], inside: &Mask, precision: WarpPrecision) {
         let mut parts: Vec<(WarpTile, &Source<'_>)> = giving
             .iter()
-            .map(|(_, source)| (WarpTile::new(), *source))
+            .map(|giving| (WarpTile::new(), giving.source))
             .collect();
         for left in (0..self.size).step_by(TILE) {
             let needed = needed_pixels(inside, left, self.top);
             if needed.iter().all(|&bits| bits == 0) {
                 continue;
             }
-            for ((tile, _), (warp, _)) in parts.iter_mut().zip(&giving) {
-                warp.fill_tile(tile, left, self.top, &needed, precision);
+            for ((tile, _), giving) in parts.iter_mut().zip(giving) {
+                giving
+                    .warp
+                    .fill_tile(tile, left, self.top, &needed, precision);
+                if let Some(pieces) = &giving.pieces {
+                    pieces.fill_tile(tile, left, self.top, &needed);
+                }
             }
             with_level_of_cpu(MixTile {
                 parts: &parts,

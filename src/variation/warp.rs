@@ -225,6 +225,11 @@ impl WarpTile {
         (&self.x[range.clone()], &self.y[range])
     }
 
+    /// Gives the pixel at (`column`, `row`) of the tile another place in the source.
+    pub(super) fn set(&mut self, column: usize, row: usize, [x, y]: [f32; 2]) {
+        self.put(row * POINTS + column, x, y);
+    }
+
     fn start(&mut self, left: usize, top: usize) {
         (self.left, self.top) = (left, top);
         self.known.fill(false);

@@ -66,7 +66,7 @@ pub fn samples() -> &'static [Sample] {
 }
 
 /// The individual of each species that stands for it, in the order of the species.
-const STARTERS: [u32; LIBRARY] = [2, 1, 3, 2, 1, 1, 1, 2, 1, 2, 2, 2];
+const STARTERS: [u32; LIBRARY] = [2, 1, 3, 2, 1, 1, 2, 2, 1, 2, 2, 2];
 
 /// One sample of each species: enough for a first project, and quickly prepared.
 pub fn starters() -> impl Iterator<Item = &'static Sample> {

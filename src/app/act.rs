@@ -20,6 +20,10 @@ const BRUSH_LEAP_PX: f64 = 10.0;
 /// What a key press zooms by.
 const ZOOM_STEP: f32 = 1.25;
 
+fn toggle(choice: &mut bool) {
+    *choice = !*choice;
+}
+
 impl Studio {
     /// Does what was asked.
     pub fn act(&mut self, action: Action) {
@@ -159,9 +163,7 @@ impl Studio {
             Command::RestoreLayout => self.effects.push(Effect::RestoreLayout),
             Command::FrameTree => self.effects.push(Effect::FrameTree),
             Command::SavePicture => self.effects.push(Effect::AskWhereToSavePicture),
-            Command::ToggleLiveCrown => {
-                self.preferences.live_crown = !self.preferences.live_crown;
-            }
+            Command::ToggleLiveCrown => toggle(&mut self.preferences.live_crown),
             Command::Turntable => self.live.is_turning = !self.live.is_turning,
             Command::Draw(drawn) => self.act_live(LiveAction::Draw(drawn)),
             Command::Palette => self.effects.push(Effect::TogglePalette),

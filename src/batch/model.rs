@@ -61,8 +61,7 @@ fn tried_out(learned: &Learned, cancel: &Cancel) -> Result<Option<String>, Failu
     let failed = |error: std::io::Error| {
         Failure::Environment(format!("a model cannot be tried out: {error}"))
     };
-    let card = serde_json::to_string(learned.card())
-        .unwrap_or_else(|_| unreachable!("cards hold numbers and text"));
+    let card = String::from_utf8_lossy(&learned.card().to_json()).into_owned();
     let mut command = Command::new(std::env::current_exe().map_err(failed)?);
     command.args([TRIAL, "--card", &card]);
     if let Some(library) = Runtime::asked_for() {

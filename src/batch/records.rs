@@ -36,7 +36,7 @@ pub(crate) struct LibraryRecord {
 pub(crate) struct SegmenterRecord {
     /// See [`Segmenter::name`].
     pub(crate) name: String,
-    /// Digest of the network that it could ask, BLAKE3.
+    /// Digest of the network that it could ask (see [`Segmenter::model`]).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) model: Option<String>,
 }

@@ -78,7 +78,7 @@ pub trait Segmenter: Sync {
     /// the same labels for the same picture.
     fn key(&self) -> String;
 
-    /// The network that it may ask, by the digest of its file.
+    /// The network that it may ask, by its digest (see [`super::Learned::digest`]).
     fn model(&self) -> Option<Digest> {
         None
     }

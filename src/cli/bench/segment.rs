@@ -165,12 +165,6 @@ fn line(
             .map_err(|error| failed(&labelled.picture, error))?;
         let seconds = begin.elapsed().as_secs_f64();
         let Segmented { labels, provenance } = found;
-        if let Some(folder) = std::env::var_os("BOSCAGE_LOOK") {
-            let path = Path::new(&folder).join(format!("{}.{}.png", labelled.name, outcomes.len()));
-            let grey = crate::segment::grey_from_labels(&labels);
-            let png = crate::raster::encode_grey_png(&grey, crate::raster::Compression::Fast);
-            crate::base::write_atomic(&path, &png)?;
-        }
         outcomes.push(Outcome {
             crown: overlap(&labels, &truth, Label::Crown).unwrap_or(1.0),
             trunk: overlap(&labels, &truth, Label::Trunk),

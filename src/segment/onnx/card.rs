@@ -181,6 +181,11 @@ impl Card {
         Ok(card)
     }
 
+    /// The card as JSON.
+    pub fn to_json(&self) -> Vec<u8> {
+        serde_json::to_vec(self).unwrap_or_else(|_| unreachable!("cards hold numbers and text"))
+    }
+
     /// Number of the input's channels.
     pub fn channels(&self) -> usize {
         self.input.channels.len()
@@ -432,9 +437,9 @@ mod tests {
             ("/output/activation", json!("sigmoid"), "unknown variant"),
             ("/calibration/temperature", json!(0), "temperature of 0"),
             (
-                "/calibration/confidence/scores",
+                "/calibration/confidence/coefficients",
                 json!([0.6, 0.2]),
-                "rising",
+                "each feature",
             ),
         ] {
             let told = changed(pointer, value);

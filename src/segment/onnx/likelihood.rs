@@ -181,11 +181,9 @@ mod tests {
 
     #[test]
     fn numbers_without_end_are_likelihoods_and_no_numbers_are_refused() {
-        assert_eq!(first([f32::INFINITY, 0.0, 0.0], "logits")[CROWN], 1.0);
-        assert_eq!(
-            first([0.0, f32::MAX, f32::NEG_INFINITY], "logits"),
-            [0.0, 0.0]
-        );
+        assert!(first([f32::INFINITY, 0.0, 0.0], "logits")[CROWN] > 0.999);
+        let background = first([0.0, f32::MAX, f32::NEG_INFINITY], "logits");
+        assert!(background.iter().all(|own| *own < 1e-6));
         assert!(likelihoods(&answer([f32::NAN, 0.0, 0.0]), &card("logits")).is_err());
     }
 

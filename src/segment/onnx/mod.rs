@@ -24,7 +24,7 @@ pub use card::Card;
 pub use runtime::Runtime;
 
 use super::{Provenance, SegmentError, Segmented, Segmenter, Source};
-use crate::base::{Cancel, Digest};
+use crate::base::{Cancel, Digest, Hasher};
 use crate::raster::{Image, Rect, Straight, opaque_bounds};
 use card::CardError;
 use guided::Window;
@@ -91,7 +91,10 @@ impl Learned {
         let described = sidecar.or(metadata).ok_or(ModelError::Undescribed)?;
         let card = Card::from_json(described)?;
         Ok(Self(Arc::new(Network {
-            digest: Digest::of(&model),
+            digest: Hasher::new("segmentation model")
+                .with(&model)
+                .with(&card.to_json())
+                .finish(),
             card,
             sessions: Sessions::new(model),
         })))
@@ -113,7 +116,7 @@ impl Learned {
         &self.0.card
     }
 
-    /// The digest of the model's file.
+    /// The digest of the model's file and of what describes it.
     pub fn digest(&self) -> Digest {
         self.0.digest
     }

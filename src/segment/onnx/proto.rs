@@ -65,10 +65,10 @@ pub(super) fn metadata<'a>(model: &'a [u8], key: &str) -> Result<Option<&'a [u8]
             (MODEL_FUNCTION, Content::Bytes(function)) => {
                 each(function, FUNCTION_NODE, check_node)?;
             }
-            (MODEL_METADATA, Content::Bytes(entry)) => {
-                if bytes_of(entry, ENTRY_KEY)? == Some(key.as_bytes()) {
-                    found = bytes_of(entry, ENTRY_VALUE)?;
-                }
+            (MODEL_METADATA, Content::Bytes(entry))
+                if bytes_of(entry, ENTRY_KEY)? == Some(key.as_bytes()) =>
+            {
+                found = bytes_of(entry, ENTRY_VALUE)?;
             }
             _ => {}
         }

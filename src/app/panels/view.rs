@@ -352,7 +352,6 @@ fn toolbar(ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
                 actions.push(Action::Do(command));
             }
         }
-        ui.separator();
         for (command, title, is_on) in [
             (super::super::Command::FrameTree, "Frame", false),
             (

@@ -43,8 +43,11 @@ struct Ground {
 }
 
 impl HeatMap {
-    /// Draws k over the crown, and the scale of the colours in the corner.
+    /// Draws k over the crown, and the scale of the colours in the panel's corner.
     pub(super) fn draw(&mut self, ui: &Ui, painter: &Painter, camera: &Camera, studio: &Studio) {
+        // The scale may stand beside the photograph.
+        let mut panel = painter.clone();
+        panel.set_clip_rect(camera.panel);
         let Some((field, silhouette)) = field_of(studio) else {
             return;
         };
@@ -68,7 +71,7 @@ impl HeatMap {
             let place = camera.rect_on_screen(ground.place);
             painter.image(texture.id(), place, uv, Color32::WHITE);
         }
-        scale(ui, painter, camera, ground.range(&field));
+        scale(ui, &panel, camera, ground.range(&field));
     }
 }
 

@@ -142,7 +142,7 @@ fn random_choice_mixes_only_trees_of_a_kind_and_no_map_folds() {
     let named = |name: &str| {
         *shapes
             .iter()
-            .zip(&trees)
+            .zip(trees)
             .find(|(_, t)| t.0 == name)
             .unwrap()
             .0

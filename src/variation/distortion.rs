@@ -46,8 +46,12 @@ impl Distortion {
 
     /// The distortion of `warp` inside the closed outline `contour` of the target.
     pub fn of(warp: &Warp, contour: &[Point]) -> Self {
-        let samples = sample_points(contour);
-        Self::summed_up(&jacobians(warp, &samples))
+        Self::within(warp, &[contour])
+    }
+
+    /// The distortion of `warp` inside the first of `polygons` and outside of the others, its gaps.
+    pub(super) fn within(warp: &Warp, polygons: &[&[Point]]) -> Self {
+        Self::summed_up(&jacobians(warp, &sample_points(polygons)))
     }
 
     /// The worse of the two in every respect.
@@ -96,8 +100,10 @@ impl Distortion {
     }
 }
 
-/// The points of a regular grid that are inside `contour`, by the even–odd rule.
-pub(super) fn sample_points(contour: &[Point]) -> Vec<Point> {
+/// The points of a regular grid over the first of `polygons` that are inside of them, by the even–odd
+/// rule.
+pub(super) fn sample_points(polygons: &[&[Point]]) -> Vec<Point> {
+    let contour = polygons.first().copied().unwrap_or_default();
     let low = contour
         .iter()
         .copied()
@@ -114,7 +120,7 @@ pub(super) fn sample_points(contour: &[Point]) -> Vec<Point> {
     let mut points = Vec::new();
     for row in 0..rows {
         let y = low.y + (row as f64 + 0.5) * step;
-        let crossings = crossings(contour, y);
+        let crossings: Vec<f64> = polygons.iter().flat_map(|p| crossings(p, y)).collect();
         for column in 0..columns {
             let x = low.x + (column as f64 + 0.5) * step;
             let right = crossings.iter().filter(|&&crossing| x < crossing).count();

@@ -104,7 +104,7 @@ impl Foreseen {
 
 /// [`PLACES`] points spread evenly over the inside of `cage`.
 fn places(cage: &[Point]) -> Vec<Point> {
-    let points = sample_points(cage);
+    let points = sample_points(&[cage]);
     if points.is_empty() {
         return Vec::new();
     }

@@ -33,7 +33,7 @@ const CLEARANCE_AT_1024: f64 = 3.0;
 const FROM_CAGE_AT_1024: f64 = 14.0;
 
 /// How far apart matching gaps may be, by the root of their mean area.
-const FARTHEST: f64 = 0.75;
+const FARTHEST: f64 = 1.0;
 
 /// How many times larger one of two matching gaps may be.
 const LARGEST_RATIO: f64 = 4.0;

@@ -39,8 +39,8 @@ const LIGHTNESS: f32 = 0.35;
 /// Trees less dense than this are left alone: their branches show.
 const LEAST_DENSITY: f64 = 0.7;
 
-/// Trees whose crown covers less of its hull are left alone likewise.
-const LEAST_FULLNESS: f64 = 0.5;
+/// Trees whose crown covers less of its hull are left alone likewise: palms, whose fronds would break.
+const LEAST_FULLNESS: f64 = 0.53;
 
 /// Distance of the points of a central difference from a corner, in pixels.
 const DIFFERENCE_PX: f32 = 3.0;
@@ -330,5 +330,84 @@ fn aside(exemplar: &Exemplar, source: [f32; 2], spacing: f64, corner: usize) -> 
         place
     } else {
         source
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contour::{PinnedContour, Pins};
+    use crate::geometry::Point;
+    use crate::raster::{Image, Premultiplied};
+    use crate::variation::{Layout, Leaves, Shape, Source, WarpPrecision, synthesized};
+
+    /// A block of foliage, `width` × 200 pixels of 256, of dark and light checks of 8 pixels.
+    fn block(width: f64) -> Exemplar {
+        let size = 256;
+        let (left, right) = (128.0 - width / 2.0, 128.0 + width / 2.0);
+        let outline = [
+            (128.0, 228.0),
+            (right, 228.0),
+            (right, 28.0),
+            (left, 28.0),
+            (left, 228.0),
+        ];
+        let contour =
+            PinnedContour::resampled(&outline.map(Point::from), Pins::without_trunk(0), 100);
+        let inside =
+            |x: u32, y: u32| (left..right).contains(&f64::from(x)) && (28..228).contains(&y);
+        let mut image = Image::filled(size, size, Premultiplied::default());
+        let mut labels = Image::filled(size, size, Label::Background);
+        for (x, y) in (0..size).flat_map(|y| (0..size).map(move |x| (x, y))) {
+            if inside(x, y) {
+                let light = [200, 40][((x / 8 + y / 8) % 2) as usize];
+                image.set(x, y, Premultiplied([light / 2, light, 20, 255]));
+                labels.set(x, y, Label::Crown);
+            }
+        }
+        let shape = Shape {
+            size,
+            cage: contour.clone(),
+            contour,
+            baseline_y: None,
+            density: 1.0,
+            fullness: 1.0,
+            texture: 0.03,
+            gaps: Vec::new(),
+        };
+        Exemplar {
+            shape,
+            image,
+            labels,
+        }
+    }
+
+    /// Changes between dark and light in the middle row of the tree.
+    fn changes(leaves: Leaves) -> usize {
+        let (narrow, wide) = (block(60.0), block(220.0));
+        let mut layout =
+            Layout::new(&[(&narrow.shape, 0.0, 1.0), (&wide.shape, 1.0, 0.0)]).unwrap();
+        layout.leaves = leaves;
+        let source = |exemplar, contour_weight, color_weight| Source {
+            exemplar,
+            contour_weight,
+            color_weight,
+        };
+        let sources = [source(&narrow, 0.0, 1.0), source(&wide, 1.0, 0.0)];
+        let cancel = crate::base::Cancel::new();
+        let made = synthesized(&layout, &sources, WarpPrecision::Interpolated, &cancel).unwrap();
+        let row: Vec<bool> = made.image.row(128)[24..232]
+            .iter()
+            .map(|p| p.0[1] > 120)
+            .collect();
+        row.windows(2).filter(|pair| pair[0] != pair[1]).count()
+    }
+
+    #[test]
+    fn checks_keep_their_size_where_the_map_stretches() {
+        // 208 pixels have 26 checks; drawn out from 60 pixels they have 7.
+        let (stretched, kept) = (changes(Leaves::Stretch), changes(Leaves::KeepTheirSize));
+        assert!(stretched <= 9, "{stretched}");
+        assert!(kept >= 14, "{kept}");
     }
 }

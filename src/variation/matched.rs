@@ -91,7 +91,12 @@ fn give_profile(
     let lower = (LOWER_PART.start * side as f64) as usize..(LOWER_PART.end * side as f64) as usize;
     let own: f64 = lower.clone().map(|i| mean(real, i)).sum();
     let given: f64 = profile[lower].iter().sum();
-    let thickness = (own / given.max(f64::MIN_POSITIVE)).clamp(1.0 / THICKEST, THICKEST);
+    // With hardly any points there is no lower part.
+    let thickness = if own > 0.0 && given > 0.0 {
+        (own / given).clamp(1.0 / THICKEST, THICKEST)
+    } else {
+        1.0
+    };
     let mut change = Point::ZERO;
     for (i, wanted) in profile.iter().enumerate().skip(1) {
         let old = half(mix, i);

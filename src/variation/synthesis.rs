@@ -128,7 +128,7 @@ struct Maps {
 }
 
 /// How much worse maps may get, see [`Distortion::penalty`], for gaps that stay where they belong.
-const WORSE_FOR_GAPS: f64 = 1.1;
+const WORSE_FOR_GAPS: f64 = 1.3;
 
 impl Maps {
     /// The maps from `cage`, the combination of `cages`, to each of these; with the gaps that all
@@ -145,7 +145,7 @@ impl Maps {
             .iter()
             .map(|own| target.moved(own.points.clone()))
             .collect::<Result<_, _>>()?;
-        let without = Self::between(&target, &sources, &cage.points, &weights, size)?;
+        let without = Self::between(&target, &sources, &[&cage.points], &weights, size)?;
         let gaps: Vec<&[Polygon]> = shapes.iter().map(|(s, _, _)| s.gaps.as_slice()).collect();
         let common = common_gaps(&sources, &gaps);
         if shapes.len() < 2 || common[0].is_empty() {
@@ -165,7 +165,8 @@ impl Maps {
             target.moved(points.copied().collect())
         });
         let sources: Vec<Cage> = with_gaps.collect::<Result<_, _>>()?;
-        let with = Self::between(&target, &sources, &cage.points, &weights, size)?;
+        let around: Vec<&[Point]> = polygons.iter().map(Vec::as_slice).collect();
+        let with = Self::between(&target, &sources, &around, &weights, size)?;
         let (found, limit) = (&with.distortion, &without.distortion);
         let is_good =
             found.folded <= limit.folded && found.penalty() <= WORSE_FOR_GAPS * limit.penalty();
@@ -173,11 +174,11 @@ impl Maps {
     }
 
     /// The maps from `target` to `sources`, whose shares are `weights` of outline and colours, measured
-    /// inside the polygon `inside`.
+    /// inside the first polygon of `inside` and outside of the others.
     fn between(
         target: &Cage,
         sources: &[Cage],
-        inside: &[Point],
+        inside: &[&[Point]],
         weights: &[(f64, f64)],
         size: u32,
     ) -> Result<Self, CageError> {
@@ -187,7 +188,7 @@ impl Maps {
             let steps = steps_between(target.points(), source.points(), size);
             let warp = Warp::new(target, source, steps)?;
             if *color_weight > 0.0 {
-                distortion = distortion.worst(Distortion::of(&warp, inside));
+                distortion = distortion.worst(Distortion::within(&warp, inside));
             }
             warps.push(warp);
         }

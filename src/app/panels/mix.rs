@@ -13,7 +13,7 @@ use super::{empty, gesture_of};
 use crate::base::Hasher;
 use crate::document::{ExemplarWeight, PhotoId};
 use crate::geometry::Point;
-use crate::variation::{Drafts, MixingMap};
+use crate::variation::{Drafts, MixingMap, are_of_a_kind};
 use egui::{Color32, Pos2, Rect, Response, Sense, Shape, Stroke, Ui, pos2, vec2};
 
 /// Most exemplars on the map; beyond, corners are too close to aim at.
@@ -47,7 +47,8 @@ impl Default for Mix {
 }
 
 /// What can be done on the map.
-const MAP_HELP: &str = "Drag the point, or a corner to have one alone.";
+const MAP_HELP: &str =
+    "Drag the point, or a corner to have one alone. Lines join trees that match.";
 
 impl Mix {
     pub(super) fn show(&mut self, ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
@@ -127,6 +128,7 @@ impl Mix {
         let corners: Vec<Pos2> = map.corners().iter().map(|c| on_screen(*c)).collect();
         let line = Stroke::new(1.0, tokens.line);
         ui.painter().add(Shape::closed_line(corners.clone(), line));
+        self.join_matches(ui, prepared, &corners);
         let at = on_screen(map.point(&weights));
         let sum: f64 = weights.iter().sum::<f64>().max(f64::MIN_POSITIVE);
         for ((corner, photo), weight) in corners.iter().zip(&self.corners).zip(&weights) {
@@ -150,6 +152,19 @@ impl Mix {
         }
         ui.painter().circle_filled(at, 7.0, tokens.panel);
         ui.painter().circle_filled(at, 5.0, tokens.accent);
+    }
+
+    /// Joins the exemplars on the map that random choice would mix.
+    fn join_matches(&self, ui: &Ui, prepared: &Prepared, corners: &[Pos2]) {
+        let stroke = Stroke::new(1.5, tokens(ui).accent.gamma_multiply(0.25));
+        let shape = |at: usize| prepared.entry(self.corners[at]).map(|(e, _)| &e.shape);
+        for (a, b) in (0..corners.len()).flat_map(|a| (0..a).map(move |b| (a, b))) {
+            if let (Some(first), Some(second)) = (shape(a), shape(b))
+                && are_of_a_kind(first, second)
+            {
+                ui.painter().line_segment([corners[a], corners[b]], stroke);
+            }
+        }
     }
 
     /// Takes the shares at the pointer while it is down; a click on a corner takes it alone.

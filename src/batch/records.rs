@@ -1,11 +1,13 @@
 //! `library.json`: what each tree of a library was made of, enough to make it again.
 
 use super::failure::Failure;
-use crate::base::{Seed, read_limited};
+use crate::base::{Cancel, Cancelled, Seed, read_limited};
 use crate::contour::{HandPins, PinnedContour};
 use crate::geometry::Point;
 use crate::segment::{Classical, Segmenter, Source};
-use crate::variation::{Chosen, Distortion, ExemplarSettings, Library, SeasonSettings};
+use crate::variation::{
+    Chosen, Distortion, ExemplarSettings, Library, SeasonSettings, Tree, make_individual, mirrored,
+};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -73,6 +75,9 @@ pub(crate) struct TreeRecord {
     /// The picture whose colours the tree was given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) like: Option<ExemplarRecord>,
+    /// How it was made another individual of its target.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) individual: Option<IndividualRecord>,
     /// The season it was put into.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) season: Option<SeasonRecord>,
@@ -95,6 +100,45 @@ pub(crate) struct ExemplarRecord {
     /// The pins that were set in it by hand.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) pins: Option<HandPins>,
+}
+
+/// How a variation of a target was made another individual.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub(crate) struct IndividualRecord {
+    /// 0 to 1, see `make_individual`.
+    pub(crate) strength: f64,
+    /// Whether it stands mirrored; its pins are told as they then are.
+    pub(crate) mirrored: bool,
+}
+
+impl IndividualRecord {
+    /// Least strength at which trees are mirrored.
+    const LEAST_MIRRORED: f64 = 0.25;
+
+    /// What becomes of the tree with this seed; nothing without strength.
+    pub(crate) fn drawn(strength: f64, seed: Seed) -> Option<Self> {
+        let side = seed.derive("mirror", 0).random().unit();
+        (strength > 0.0).then_some(Self {
+            strength,
+            mirrored: strength >= Self::LEAST_MIRRORED && side < 0.5,
+        })
+    }
+
+    /// Makes `tree` that individual.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub(crate) fn make(
+        &self,
+        tree: &mut Tree,
+        seed: Seed,
+        cancel: &Cancel,
+    ) -> Result<(), Cancelled> {
+        if self.mirrored {
+            *tree = mirrored(tree);
+        }
+        make_individual(tree, self.strength, seed, cancel)
+    }
 }
 
 /// The season that a tree was put into.
@@ -168,11 +212,26 @@ impl TreeRecord {
                 .collect(),
             color_weights: chosen.parts.iter().map(|part| part.color_weight).collect(),
             like: like.cloned(),
+            individual: None,
             season: None,
             distortion: chosen.layout.distortion,
             pins: PinsRecord::of(&chosen.layout.contour),
             size: [chosen.layout.size; 2],
         }
+    }
+
+    /// The record of the tree made another individual.
+    pub(crate) fn of_individual(mut self, individual: Option<IndividualRecord>) -> Self {
+        if individual.is_some_and(|individual| individual.mirrored) {
+            let last = f64::from(self.size[0]) - 1.0;
+            let flipped = |[x, y]: [f64; 2]| [last - x, y];
+            self.pins = PinsRecord {
+                bottom: flipped(self.pins.bottom),
+                left: flipped(self.pins.right),
+                right: flipped(self.pins.left),
+            };
+        }
+        Self { individual, ..self }
     }
 
     /// The file's name without its ending.

@@ -4,7 +4,7 @@ use super::failure::Failure;
 use super::items;
 use super::library::opened;
 use super::output::recipe;
-use super::records::{ExemplarRecord, LibraryRecord, TreeRecord};
+use super::records::{ExemplarRecord, IndividualRecord, LibraryRecord, TreeRecord};
 use super::run::Run;
 use super::season::SeasonJob;
 use crate::base::{Digest, Hasher, Seed};
@@ -226,6 +226,10 @@ impl Vary {
             let season = self
                 .season
                 .map(|season| season.record(&tree.chosen, library));
+            // Variations of a target are individuals of its kind; what was drawn elsewhere stays.
+            let is_varied = target.is_some() && matches!(self.trees, Trees::Drawn(_));
+            let strength = if is_varied { self.choice.strength } else { 0.0 };
+            let record = record.of_individual(IndividualRecord::drawn(strength, tree.seed));
             TreeRecord { season, ..record }
         });
         LibraryRecord::new(&self.folder, library, trees.collect())
@@ -341,6 +345,9 @@ pub(crate) fn make_tree(
         return Ok(());
     }
     let mut tree = maker.make(chosen, session.cancel)?;
+    if let Some(individual) = &record.individual {
+        individual.make(&mut tree, Seed(record.seed), session.cancel)?;
+    }
     if let Some(season) = &record.season {
         season.put(&mut tree, like, Seed(record.seed), session.cancel)?;
     }

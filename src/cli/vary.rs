@@ -31,7 +31,8 @@ pub(super) struct Flags {
     /// A picture to make variations of
     #[arg(long, value_name = "IMAGE")]
     pub(super) target: Option<PathBuf>,
-    /// How far variations go from the target: 0 copies, 1 as far as looks related
+    /// How far variations go from the target in outline, foliage and hue: 0 copies, 1 as far as looks
+    /// related
     #[arg(long, default_value_t = 0.7, value_name = "0..1", requires = "target")]
     pub(super) strength: f64,
     /// How many trees

@@ -4,12 +4,13 @@
 //! on the lit top of a clump, and the more the higher it stands; the best places are covered first.
 //! Snow keeps the light and shade of what it lies on, in the colours of snow.
 
-use super::colors::{Noise, ramp_of};
+use super::colors::ramp_of;
 use super::leaves::light;
 use crate::base::{Cancel, Cancelled, Seed};
 use crate::raster::{Image, Straight, opaque_bounds, smoothed_within};
 use crate::segment::Label;
 use crate::variation::Tree;
+use crate::variation::noise::Noise;
 
 /// Colours of snow from shade to light.
 const SNOW: [[f64; 3]; 3] = [

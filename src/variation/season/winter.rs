@@ -13,6 +13,7 @@ use crate::branches::skeleton::{Reach, Skeleton, colonise};
 use crate::raster::{Image, Straight, labelled_components};
 use crate::segment::Label;
 use crate::variation::Tree;
+use crate::variation::noise::Noise;
 use glam::{Vec2, Vec3};
 
 /// Height of a crown in metres: only proportions count.
@@ -307,7 +308,7 @@ fn paint(
     let depth = |index: &usize| skeleton.nodes[*index].position.z;
     let mut order: Vec<usize> = (1..skeleton.nodes.len()).collect();
     order.sort_by(|a, b| depth(a).total_cmp(&depth(b)).then(a.cmp(b)));
-    let grain = colors::Noise::new(&mut seed.derive("bark", 0).random());
+    let grain = Noise::new(&mut seed.derive("bark", 0).random());
     for index in order {
         let node = skeleton.nodes[index];
         let Some(parent) = node.parent.map(|parent| parent as usize) else {
@@ -333,7 +334,7 @@ struct Piece {
 }
 
 impl Piece {
-    fn draw(&self, image: &mut Image<Straight>, bark: &[[f64; 3]; 3], grain: &colors::Noise) {
+    fn draw(&self, image: &mut Image<Straight>, bark: &[[f64; 3]; 3], grain: &Noise) {
         let [from, to] = self.ends;
         let room = Vec2::splat(self.radii[0].max(self.radii[1]) + 1.5);
         let (low, high) = (from.min(to) - room, from.max(to) + room);

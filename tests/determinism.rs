@@ -56,7 +56,8 @@ fn inputs() -> tempfile::TempDir {
     for (name, tree) in ["a", "b", "c", "d"].iter().zip(TREES) {
         fs::write(at(&format!("trees/{name}.png")), bundled(tree)).unwrap();
     }
-    let square = |inner: &str| format!("{{\"points\":[[0,0],[300,20],{inner},[400,500],[10,480]]}}");
+    let square =
+        |inner: &str| format!("{{\"points\":[[0,0],[300,20],{inner},[400,500],[10,480]]}}");
     fs::write(at("from.json"), square("[500,250]")).unwrap();
     fs::write(at("to.json"), square("[390,260]")).unwrap();
     exported::write_crown_inputs(folder.path(), 1.2);
@@ -74,8 +75,14 @@ fn digests(more: &[&str]) -> BTreeMap<String, Digest> {
     let mut digests = BTreeMap::new();
     for command in COMMANDS {
         let words: Vec<&str> = command.split(' ').collect();
-        run(folder.path(), &[&words[1..], &["--out", words[0]], more].concat());
-        digests.insert(words[0].to_owned(), digest_of(&folder.path().join(words[0])));
+        run(
+            folder.path(),
+            &[&words[1..], &["--out", words[0]], more].concat(),
+        );
+        digests.insert(
+            words[0].to_owned(),
+            digest_of(&folder.path().join(words[0])),
+        );
     }
     digests
 }

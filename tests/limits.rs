@@ -31,7 +31,10 @@ fn limited(folder: &Path, limit: &str, arguments: &str) -> Output {
 fn check_failed(folder: &Path, output: &Output, out: &str) {
     let told = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{told}");
-    assert!(told.starts_with("error: ") && told.lines().count() == 1, "{told}");
+    assert!(
+        told.starts_with("error: ") && told.lines().count() == 1,
+        "{told}"
+    );
     let left = fs::read_dir(folder.join(out));
     assert!(left.is_ok_and(|mut files| files.next().is_none()) || !folder.join(out).exists());
 }
@@ -67,7 +70,10 @@ fn no_threads_is_an_error() {
     if output.status.code() != Some(0) {
         check_failed(folder.path(), &output, "new");
         let told = String::from_utf8_lossy(&output.stderr);
-        assert!(told.contains("threads") || told.contains("signals"), "{told}");
+        assert!(
+            told.contains("threads") || told.contains("signals"),
+            "{told}"
+        );
     }
 }
 
@@ -78,4 +84,6 @@ fn files_that_must_not_grow_are_a_full_disk() {
     // Beyond the limit the system sends a signal, which is ignored here as on a full disk.
     let output = limited(folder.path(), "trap '' XFSZ && ulimit -f 8", vary);
     check_failed(folder.path(), &output, "new");
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert!(!told.contains(".part"), "it tells a hidden name: {told}");
 }

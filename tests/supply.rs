@@ -46,7 +46,13 @@ fn text(path: &str) -> String {
 fn listed(key: &str) -> BTreeSet<String> {
     let file = text("deny.toml");
     let start = format!("\n{key} = [");
-    let list = file.split_once(&start).unwrap().1.split_once("\n]").unwrap().0;
+    let list = file
+        .split_once(&start)
+        .unwrap()
+        .1
+        .split_once("\n]")
+        .unwrap()
+        .0;
     let lines = list.lines().map(|line| line.split('#').next().unwrap());
     lines
         .filter_map(|line| line.split('"').nth(1))

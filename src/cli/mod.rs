@@ -43,7 +43,9 @@ mod vary_flags;
 mod warp;
 
 use crate::app;
-use crate::base::{Cancel, Progress, folder_of, limit_vector_level, remove_left_parts, with_threads};
+use crate::base::{
+    Cancel, Progress, folder_of, limit_vector_level, remove_left_parts, with_threads,
+};
 use crate::batch::run::Run;
 use crate::batch::{failure, input, items, output, records};
 use clap::{Parser, Subcommand};

@@ -197,8 +197,7 @@ fn plain_bytes(table: &[u8]) -> u64 {
 /// `length` zeros, where the memory can be had.
 fn zeros(length: usize) -> Result<Vec<u8>, FormatError> {
     let mut bytes = Vec::new();
-    asking_for_memory(|| bytes.try_reserve_exact(length))
-        .map_err(|_| FormatError::TooLarge)?;
+    asking_for_memory(|| bytes.try_reserve_exact(length)).map_err(|_| FormatError::TooLarge)?;
     bytes.resize(length, 0);
     Ok(bytes)
 }

@@ -15,7 +15,10 @@ pub use recovery::{Autosave, AutosaveClock, Recoverable, Recovery};
 use super::encode::{Decoded, decode, encode};
 use super::format::FormatError;
 use super::project::Snapshot;
-use crate::base::{Cancel, Cancelled, Digest, FileError, one_line, folder_of, read_limited, remove_left_parts, sync_names, write_atomic};
+use crate::base::{
+    Cancel, Cancelled, Digest, FileError, folder_of, one_line, read_limited, remove_left_parts,
+    sync_names, write_atomic,
+};
 use std::ffi::OsString;
 use std::fs;
 use std::io::ErrorKind;

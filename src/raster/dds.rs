@@ -400,7 +400,7 @@ fn decode_blocks(block: Block, data: &[u8], width: usize, pixels: &mut [Straight
 mod tests {
     use super::*;
 
-    fn any_size(_: u32, _: u32) -> Result<(), Refusal> {
+    fn any_size(_: u32, _: u32, _: u8) -> Result<(), Refusal> {
         Ok(())
     }
 

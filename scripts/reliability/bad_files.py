@@ -100,12 +100,13 @@ def prepared(boscage, folder):
     for source, name in [("oak.png", "a.png"), ("pine.png", "b.png")]:
         shutil.copy(f"{folder}/samples/{source}", f"{folder}/trees/{name}")
     photo_and_mask(folder, 128)
+    open(folder + "/polygon.json", "w").write('{"points":[[0,0],[90,0],[90,90],[0,90]]}')
     run("vary", "--library", "trees", "--count", "2", "--size", "96", "--out", "new")
     run("crown", "photo.png", "--mask", "mask.png", "--size", "32", "--out", "crown")
     return {
         "folder": folder, "tree": f"{folder}/trees/a.png", "photo": f"{folder}/photo.png", "mask": f"{folder}/mask.png",
         "trees": f"{folder}/trees", "record": json.load(open(folder + "/new/library.json")),
-        "new": f"{folder}/new", "crown": f"{folder}/crown",
+        "polygon": f"{folder}/polygon.json", "new": f"{folder}/new", "crown": f"{folder}/crown",
     }
 
 
@@ -113,7 +114,7 @@ def readers(good, path):
     """Every command that reads a picture, with `path` in the place of one."""
     yield "inspect", ["inspect", path, "--size", "128", "--json"]
     yield "segment", ["segment", path, "--out", "{out}"]
-    yield "warp", ["warp", path, "--from", "/nowhere.json", "--to", "/nowhere.json", "--out", "{out}/a.png"]
+    yield "warp", ["warp", path, "--from", good["polygon"], "--to", good["polygon"], "--out", "{out}/a.png"]
     yield "recolor", ["recolor", good["tree"], "--like", path, "--out", "{out}/a.png"]
     yield "inflate", ["inflate", path, "--size", "32", "--out", "{out}/a.obj"]
     yield "crown", ["crown", good["photo"], "--mask", path, "--size", "16", "--out", "{out}"]
@@ -154,7 +155,6 @@ def text_readers(good, path):
     yield "inflate --regions", ["inflate", good["mask"], "--regions", path, "--size", "24", "--out", "{out}/a.obj"]
     yield "vary --recipe", ["vary", "--recipe", path + "#tree_0000", "--library", good["trees"], "--out", "{out}"]
     yield "crown --recipe", ["crown", "--recipe", path, "--out", "{out}"]
-    yield "studio", [path, "nowhere"]
 
 
 def changed(value, change):

@@ -84,4 +84,6 @@ fn files_that_must_not_grow_are_a_full_disk() {
     // Beyond the limit the system sends a signal, which is ignored here as on a full disk.
     let output = limited(folder.path(), "trap '' XFSZ && ulimit -f 8", vary);
     check_failed(folder.path(), &output, "new");
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert!(!told.contains(".part"), "it tells a hidden name: {told}");
 }

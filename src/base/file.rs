@@ -95,28 +95,21 @@ pub fn write_atomic(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
 /// # Errors
 /// [`FileError::Write`]; the file is there all the same. Folders that cannot be flushed (other
 /// systems, some network shares) are no error.
+#[cfg(unix)]
 pub fn sync_names(path: &Path) -> Result<(), FileError> {
-    #[cfg(unix)]
-    {
-        use std::io::ErrorKind;
-        let flushed = File::open(folder_of(path)).and_then(|folder| folder.sync_all());
-        return match flushed {
-            Err(error)
-                if !matches!(
-                    error.kind(),
-                    ErrorKind::InvalidInput | ErrorKind::Unsupported | ErrorKind::PermissionDenied
-                ) =>
-            {
-                Err(unwritten(path, error))
-            }
-            _ => Ok(()),
-        };
+    use std::io::ErrorKind::{InvalidInput, PermissionDenied, Unsupported};
+    match File::open(folder_of(path)).and_then(|folder| folder.sync_all()) {
+        Err(error) if ![InvalidInput, PermissionDenied, Unsupported].contains(&error.kind()) => {
+            Err(unwritten(path, error))
+        }
+        _ => Ok(()),
     }
-    #[cfg(not(unix))]
-    {
-        let _ = path;
-        Ok(())
-    }
+}
+
+/// Elsewhere folders cannot be flushed.
+#[cfg(not(unix))]
+pub fn sync_names(_: &Path) -> Result<(), FileError> {
+    Ok(())
 }
 
 /// The folder that `path` lies in.
@@ -247,7 +240,17 @@ impl<'a> Part<'a> {
 fn unwritten(path: &Path, reason: std::io::Error) -> FileError {
     FileError::Write {
         path: path.to_owned(),
-        reason,
+        reason: of_system(reason),
+    }
+}
+
+/// What the system said, without the hidden name that the file had when it did.
+fn of_system(reason: std::io::Error) -> std::io::Error {
+    let inner = reason.get_ref().and_then(|error| error.source());
+    let inner = inner.and_then(|error| error.downcast_ref::<std::io::Error>());
+    match inner.and_then(std::io::Error::raw_os_error) {
+        Some(code) => std::io::Error::from_raw_os_error(code),
+        None => reason,
     }
 }
 

@@ -24,4 +24,4 @@ pub use panics::{Panicked, without_panics};
 pub use parallel::{Kernel, VectorLevel, limit_vector_level, with_level_of_cpu, with_threads};
 pub use progress::{Progress, Reporter, Stage, Update};
 pub use random::{Random, Seed};
-pub use text::one_line;
+pub use text::{brief_line, one_line};

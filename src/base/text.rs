@@ -21,6 +21,21 @@ pub fn one_line(text: &str) -> String {
     line
 }
 
+/// [`one_line`] of a length that can be read: what is longer loses its middle, for the name of a file
+/// stands at the beginning of a message and the reason at its end.
+pub fn brief_line(text: &str) -> String {
+    const LONGEST: usize = 400;
+    let line = one_line(text);
+    let count = line.chars().count();
+    if count <= LONGEST {
+        return line;
+    }
+    let half = LONGEST / 2;
+    let begin: String = line.chars().take(half).collect();
+    let end: String = line.chars().skip(count - half).collect();
+    format!("{begin} … {end}")
+}
+
 /// Line and paragraph separators, zero-width characters, and the marks that turn the direction.
 fn is_invisible(character: char) -> bool {
     matches!(character,
@@ -36,6 +51,14 @@ mod tests {
     fn what_can_be_seen_stays() {
         let text = "Ахорн 木 – tree (3).png";
         assert_eq!(one_line(text), text);
+    }
+
+    #[test]
+    fn a_brief_line_keeps_both_ends() {
+        let line = brief_line(&format!("ä.png: {}: the reason", "x".repeat(5000)));
+        assert!(line.starts_with("ä.png: x") && line.ends_with("x: the reason"));
+        assert!(line.chars().count() < 410);
+        assert_eq!(brief_line("a\nb"), one_line("a\nb"));
     }
 
     #[test]

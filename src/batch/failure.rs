@@ -5,7 +5,7 @@
 //! file or a path that cannot be a path will fail again (2); a full disk, lost memory or a network
 //! share that went away will not (1). Permissions count as the user's choice of path: 2.
 
-use crate::base::{Cancelled, FileError, one_line};
+use crate::base::{Cancelled, FileError, brief_line};
 use crate::export::CrownFilesError;
 use crate::raster::{ImageError, Refusal};
 use crate::render::RenderError;
@@ -52,7 +52,9 @@ impl Failure {
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::BadInput(message) | Self::Environment(message) => f.write_str(&one_line(message)),
+            Self::BadInput(message) | Self::Environment(message) => {
+                f.write_str(&brief_line(message))
+            }
             Self::Cancelled => f.write_str("cancelled"),
         }
     }

@@ -6,7 +6,7 @@
 use super::Stages;
 use super::failure::Failure;
 use super::options::ProgressStyle;
-use crate::base::{Reporter, Update, one_line};
+use crate::base::{Reporter, Update, brief_line};
 use indicatif::{ProgressBar, ProgressStyle as BarStyle};
 use serde_json::json;
 use std::io::Write as _;
@@ -45,7 +45,7 @@ fn to_stdout(line: &str) {
 }
 
 fn warn(message: &str) {
-    to_stderr(&format!("warning: {}", one_line(message)));
+    to_stderr(&format!("warning: {}", brief_line(message)));
 }
 
 fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -163,7 +163,7 @@ impl Reporter for JsonLines {
                 }
                 progress_line(stage, done, total)
             }
-            Update::Warning { message } => json!({"warning": one_line(message)}).to_string(),
+            Update::Warning { message } => json!({"warning": brief_line(message)}).to_string(),
             Update::Ended { .. } => return,
         };
         to_stderr(&line);

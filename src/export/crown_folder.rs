@@ -39,6 +39,10 @@ const FORMAT: &str = "boscage-crown";
 /// Version of the format; readers refuse others.
 const VERSION: u32 = 1;
 
+/// Farthest that anything may lie from the origin and widest that a crown may be, metres: beyond it
+/// single precision has no centimetres left.
+const FARTHEST_M: f64 = 1e5;
+
 /// Longest side of a face that is read.
 const LARGEST_FACE: u32 = 4096;
 
@@ -104,10 +108,12 @@ impl CrownRecord {
             let found = format!("{} version {}", record.format, record.version);
             return Err(failed(format!("{found} is not known to this version")));
         }
-        let center_is_finite = record.center_m.iter().all(|along| along.is_finite());
-        let radius_is_real = record.radius_max_m.is_finite() && record.radius_max_m > 0.0;
+        let is_near = |along: &f64| along.abs() <= FARTHEST_M;
+        let center_is_near = record.center_m.iter().all(is_near);
+        let radius = f64::from(record.radius_max_m);
+        let radius_is_real = radius > 0.0 && is_near(&radius);
         let size_is_real = (1..=LARGEST_FACE).contains(&record.size);
-        if !(center_is_finite && radius_is_real && size_is_real) {
+        if !(center_is_near && radius_is_real && size_is_real) {
             return Err(failed(
                 "its centre, radius or size is out of range".to_owned(),
             ));

@@ -17,7 +17,7 @@ const FORMAT: PictureFormat = PictureFormat::Dds;
 /// Decodes `bytes` once `check` agrees to the width and height in the header.
 pub(super) fn decode(
     bytes: &[u8],
-    check: impl Fn(u32, u32) -> Result<(), Refusal>,
+    check: impl Fn(u32, u32, u8) -> Result<(), Refusal>,
 ) -> Result<Image<Straight>, Refusal> {
     let cut_short = Refusal::Truncated { format: FORMAT };
     let header = Header::read(bytes).ok_or_else(|| cut_short.clone())?;
@@ -28,7 +28,7 @@ pub(super) fn decode(
     } = header.surface(bytes)?;
     let (width, height) = (header.width, header.height);
     // The content is measured before memory is asked for, so no header can claim what is not there.
-    check(width, height)?;
+    check(width, height, 4)?;
     let data = bytes.get(start..).unwrap_or_default();
     if (data.len() as u64) < layout.bytes(width, height) {
         return Err(cut_short);
@@ -400,7 +400,7 @@ fn decode_blocks(block: Block, data: &[u8], width: usize, pixels: &mut [Straight
 mod tests {
     use super::*;
 
-    fn any_size(_: u32, _: u32) -> Result<(), Refusal> {
+    fn any_size(_: u32, _: u32, _: u8) -> Result<(), Refusal> {
         Ok(())
     }
 

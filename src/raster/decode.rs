@@ -19,7 +19,7 @@ pub(super) fn decode(
     bytes: &[u8],
     format: PictureFormat,
     envelope: Envelope,
-    check: impl Fn(u32, u32) -> Result<(), Refusal>,
+    check: impl Fn(u32, u32, u8) -> Result<(), Refusal>,
 ) -> Result<Image<Straight>, Refusal> {
     /// For what comes before the pixels: colour profiles and texts, compressed by any factor.
     const HEADER_BYTES: u64 = 64 << 20;
@@ -31,7 +31,7 @@ pub(super) fn decode(
     reader.limits(limits.clone());
     let mut decoder = reader.into_decoder().map_err(refused)?;
     let (width, height) = decoder.dimensions();
-    check(width, height)?;
+    check(width, height, decoder.color_type().channel_count())?;
 
     // A damaged note on the orientation is no reason to refuse the picture.
     let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);

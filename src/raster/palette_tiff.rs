@@ -21,7 +21,7 @@ use tiff::tags::Tag;
 /// height; `None` for all other files, damaged ones too.
 pub(super) fn decode(
     bytes: &[u8],
-    check: impl Fn(u32, u32) -> Result<(), Refusal>,
+    check: impl Fn(u32, u32, u8) -> Result<(), Refusal>,
 ) -> Option<Result<Image<Straight>, Refusal>> {
     let grey = declared_grey(bytes)?;
     let mut decoder = Decoder::new(Cursor::new(grey.as_slice())).ok()?;
@@ -38,7 +38,7 @@ pub(super) fn decode(
         .ok()
         .flatten();
     let orientation = orientation.and_then(Orientation::from_exif);
-    Some(check(width, height).and_then(|()| {
+    Some(check(width, height, 3).and_then(|()| {
         let row_bytes = (width as usize * usize::from(bits)).div_ceil(8);
         let packed = unpacked(decoder, row_bytes * height as usize)?;
         let image = colored(&packed, row_bytes, bits, &palette, width, height)?;
@@ -183,7 +183,7 @@ mod tests {
         ];
         for (bits, strip, expected) in cases {
             let file = file(bits, strip, &gradient(bits));
-            let image = decode(&file, |_, _| Ok(())).unwrap().unwrap();
+            let image = decode(&file, |_, _, _| Ok(())).unwrap().unwrap();
             let found: Vec<u8> = image.pixels().iter().map(|pixel| pixel.0[1]).collect();
             assert_eq!(found, expected, "{bits} bits");
         }

@@ -190,7 +190,8 @@ pub fn read_image_from_memory(
 fn decoded(bytes: &[u8], path: &Path, limits: ReadLimits) -> Result<Image<Straight>, Refusal> {
     let format = format_of(bytes, path)?;
     let envelope = envelope::open(bytes, format)?;
-    let check = |width, height| check_size(width, height, bytes.len() as u64, limits);
+    let check =
+        |width, height, channels| check_size((width, height), channels, bytes.len() as u64, limits);
     without_panics(|| match format {
         PictureFormat::Dds => dds::decode(bytes, check),
         PictureFormat::Tiff => palette_tiff::decode(bytes, check)
@@ -265,11 +266,18 @@ fn known_stranger(bytes: &[u8]) -> Option<&'static str> {
 }
 
 /// Judges a picture by what its header tells, before memory is asked for.
-fn check_size(width: u32, height: u32, bytes: u64, limits: ReadLimits) -> Result<(), Refusal> {
-    /// Below this a lie costs less than half a gigabyte, and flat masks do compress well.
+fn check_size(
+    (width, height): (u32, u32),
+    channels: u8,
+    bytes: u64,
+    limits: ReadLimits,
+) -> Result<(), Refusal> {
+    /// Below this a lie costs less than half a gigabyte.
     const HARMLESS_PIXELS: u64 = 100_000_000;
     /// Photographs hold less than 20 pixels in a byte, trees cut out on clear ground less than 100.
     const HONEST_PIXELS_PER_BYTE: u64 = 200;
+    /// A mask may be flat and have one bit a pixel: then a byte holds what Deflate can make of it.
+    const HONEST_GREYS_PER_BYTE: u64 = 8 * 1032;
 
     let pixels = u64::from(width) * u64::from(height);
     if pixels == 0 {
@@ -282,7 +290,11 @@ fn check_size(width: u32, height: u32, bytes: u64, limits: ReadLimits) -> Result
             limit: limits.pixels,
         });
     }
-    if pixels > HARMLESS_PIXELS && pixels / HONEST_PIXELS_PER_BYTE > bytes {
+    let honest = match channels {
+        1 => HONEST_GREYS_PER_BYTE,
+        _ => HONEST_PIXELS_PER_BYTE,
+    };
+    if pixels > HARMLESS_PIXELS && pixels / honest > bytes {
         return Err(Refusal::Bomb {
             width,
             height,

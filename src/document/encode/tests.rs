@@ -123,6 +123,22 @@ fn newer_versions_are_refused_politely() {
 }
 
 #[test]
+fn a_small_file_cannot_ask_for_all_memory() {
+    let mut file = b"\x89BSCG\r\n\x1a".to_vec();
+    file.extend(VERSION.to_le_bytes());
+    file.extend(5u32.to_le_bytes());
+    for _ in 0..5 {
+        file.extend(b"MASK\x03\0\0\0");
+        file.extend((1u64 << 22).to_le_bytes());
+        file.extend((1u64 << 30).to_le_bytes());
+        file.extend([0; 32]);
+    }
+    let digest = Digest::of(&file);
+    file.extend(digest.bytes());
+    assert_eq!(read(&file).unwrap_err(), FormatError::TooLarge);
+}
+
+#[test]
 fn unknown_sections_are_kept_or_refused_by_their_flag() {
     let (_, mut all) = sections(&file_of(&project())).unwrap();
     all.push(Section::new(b"NOTE", *b"from the future").optional());

@@ -186,6 +186,24 @@ fn a_crashed_session_is_offered_and_comes_back() {
 }
 
 #[test]
+fn an_autosave_whose_folder_was_cleared_is_whole_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let recovery = Recovery::at(folder.path());
+    let mut session = recovery.begin("a").unwrap();
+    for title in ["before", "after"] {
+        let snapshot = project(title).snapshot();
+        session.write(&snapshot, None, 1, &Cancel::new()).unwrap();
+        if title == "before" {
+            fs::remove_dir_all(folder.path().join("a")).unwrap();
+        }
+    }
+    drop(session);
+    let left = recovery.list().remove(0);
+    let back = recovery.open(&left).unwrap().document;
+    assert_eq!(back.digest(), project("after").digest());
+}
+
+#[test]
 fn damaged_autosaves_never_stop_the_list() {
     let folder = tempfile::tempdir().unwrap();
     let recovery = Recovery::at(folder.path());

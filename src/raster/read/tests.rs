@@ -188,6 +188,16 @@ fn huge_headers_are_refused_for_what_they_claim() {
 }
 
 #[test]
+fn a_flat_mask_of_the_largest_size_is_no_bomb() {
+    let largest = (20_000, 20_000);
+    let judged = |channels, bytes| check_size(largest, channels, bytes, ReadLimits::default());
+    assert_eq!(judged(1, 48_685), Ok(()), "one bit a pixel");
+    assert!(matches!(judged(1, 40_000), Err(Refusal::Bomb { .. })));
+    assert!(matches!(judged(4, 1_555_211), Err(Refusal::Bomb { .. })));
+    assert_eq!(judged(3, 55_000_000), Ok(()));
+}
+
+#[test]
 fn half_a_file_is_no_picture() {
     let noise = image::RgbImage::from_fn(40, 40, |x, y| {
         let value = (x * 7919 + y * 104_729) % 251;

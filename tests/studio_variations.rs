@@ -99,6 +99,25 @@ fn gallery_of(count: u32) -> (Window, tempfile::TempDir) {
     (window, folder)
 }
 
+/// Drags with the first button, in a few steps.
+fn drag(window: &mut Window, from: egui::Pos2, to: egui::Pos2) {
+    let button = |pos, pressed| egui::Event::PointerButton {
+        pos,
+        button: egui::PointerButton::Primary,
+        pressed,
+        modifiers: egui::Modifiers::NONE,
+    };
+    window.event(egui::Event::PointerMoved(from));
+    window.event(button(from, true));
+    window.step();
+    for step in 1..=4 {
+        window.event(egui::Event::PointerMoved(from.lerp(to, step as f32 / 4.0)));
+        window.step();
+    }
+    window.event(button(to, false));
+    window.step();
+}
+
 #[test]
 fn pins_are_dragged_and_trees_follow_here_and_from_their_record() {
     let (mut window, folder) = gallery_of(1);
@@ -110,25 +129,8 @@ fn pins_are_dragged_and_trees_follow_here_and_from_their_record() {
     }
     window.check_accessibility();
     let pin = window.get_by_label("Left top of the trunk").rect().center();
-    let mouse = |window: &mut Window, to: egui::Pos2, pressed: Option<bool>| {
-        window.event(egui::Event::PointerMoved(to));
-        if let Some(pressed) = pressed {
-            window.event(egui::Event::PointerButton {
-                pos: to,
-                button: egui::PointerButton::Primary,
-                pressed,
-                modifiers: egui::Modifiers::NONE,
-            });
-        }
-        window.step();
-    };
     // A little up the outline, so that trees still fit.
-    let to = pin - egui::vec2(6.0, 14.0);
-    mouse(&mut window, pin, Some(true));
-    for step in 1..=4 {
-        mouse(&mut window, pin.lerp(to, step as f32 / 4.0), None);
-    }
-    mouse(&mut window, to, Some(false));
+    drag(&mut window, pin, pin - egui::vec2(6.0, 14.0));
     let studio = window.state().studio();
     let pins = &studio.document().state().content().pins;
     let (id, moved) = pins.iter().next().map(|(id, pins)| (*id, *pins)).unwrap();

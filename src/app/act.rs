@@ -142,14 +142,7 @@ impl Studio {
                 self.act(Action::BrushRadius(self.tools.radius_px - BRUSH_LEAP_PX));
             }
             Command::ToggleEraser => self.tools.is_erasing = !self.tools.is_erasing,
-            Command::SwapLabel => {
-                let other = if self.tools.label == CROWN {
-                    TRUNK
-                } else {
-                    CROWN
-                };
-                self.act(Action::PaintLabel(other));
-            }
+            Command::SwapLabel => self.swap_label(),
             Command::Show(workspace) => self.go_to(workspace),
             Command::RollTrees => self.roll(),
             Command::MakeTrees | Command::ExportTrees => self.ask_where_to_make(command),
@@ -172,6 +165,16 @@ impl Studio {
             Command::ChooseRuntime => self.effects.push(Effect::AskWhichRuntime),
             Command::About => self.effects.push(Effect::ToggleAbout),
         }
+    }
+
+    /// Crown to trunk; anything else to crown.
+    fn swap_label(&mut self) {
+        let other = if self.tools.label == CROWN {
+            TRUNK
+        } else {
+            CROWN
+        };
+        self.act(Action::PaintLabel(other));
     }
 
     /// Whether the command would do something now; menus grey out what would not.

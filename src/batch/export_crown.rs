@@ -245,15 +245,15 @@ impl CrownExport<'_> {
             self.write_impostor(&made, form.form().name(), &files, session)?;
             impostors.push(wanted.record(&leaves));
         }
-        if !is_ready {
-            if let (Some(script), Some(picture)) = (files.get("gallery"), files.get("thumbnail")) {
-                // Its page reads PNG alone.
-                let model = self.glb(&leaves)?;
-                self.write(script, gallery_crown(name, &model).as_bytes(), session)?;
-                let portrait = portrait(&leaves, THUMBNAIL_PX, session.cancel)?;
-                let png = encode_png(&portrait, Compression::Small);
-                self.write(picture, &png, session)?;
-            }
+        if !is_ready
+            && let (Some(script), Some(picture)) = (files.get("gallery"), files.get("thumbnail"))
+        {
+            // Its page reads PNG alone.
+            let model = self.glb(&leaves)?;
+            self.write(script, gallery_crown(name, &model).as_bytes(), session)?;
+            let portrait = portrait(&leaves, THUMBNAIL_PX, session.cancel)?;
+            let png = encode_png(&portrait, Compression::Small);
+            self.write(picture, &png, session)?;
         }
         if settings.model_textures == ModelTextures::Basisu {
             leaves.pack_pictures(session.cancel)?;

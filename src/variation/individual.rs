@@ -435,18 +435,8 @@ fn lifted(pixel: Straight, lift: f32) -> Straight {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::branches::samples;
-    use crate::segment::labels_from_grey;
     use crate::variation::Look;
-
-    fn sample(name: &str) -> Tree {
-        let sample = samples().iter().find(|sample| sample.name() == name);
-        let grown = sample.unwrap().grow(256, &Cancel::new()).unwrap();
-        Tree {
-            labels: labels_from_grey(&grown.labels),
-            image: grown.image,
-        }
-    }
+    use crate::variation::maker::grown as sample;
 
     fn individual(tree: &Tree, strength: f64) -> Tree {
         let mut tree = tree.clone();

@@ -379,6 +379,11 @@ mod tests {
             shape,
             image,
             labels,
+            provenance: crate::segment::Provenance {
+                source: crate::segment::Source::Classical,
+                confidence: None,
+                reason: None,
+            },
         }
     }
 

@@ -195,3 +195,21 @@ impl Drafts {
         Ok(small)
     }
 }
+
+/// The first individual of a species with its true labels, 256 pixels a side, for tests.
+#[cfg(test)]
+pub(super) fn grown(species: &str) -> Tree {
+    use crate::branches::{Individual, species::species_named};
+    use crate::segment::labels_from_grey;
+
+    let species = species_named(species).unwrap_or_else(|| unreachable!("{species} is known"));
+    let individual = Individual::new(species, 1);
+    let picture = individual
+        .grow(&Cancel::new())
+        .and_then(|tree| tree.picture((256, 256), false, &Cancel::new()))
+        .unwrap_or_else(|_| unreachable!("nobody cancels"));
+    Tree {
+        labels: labels_from_grey(&picture.labels),
+        image: picture.image,
+    }
+}

@@ -69,8 +69,8 @@ fn psnr(image: &Image<Straight>, back: &[[u8; 4]]) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for (wanted, found) in image.pixels().iter().zip(back) {
         let visible = f64::from(wanted.alpha()) / 255.0;
-        for channel in 0..4 {
-            let amiss = f64::from(wanted.0[channel]) - f64::from(found[channel]);
+        for (channel, (&wanted, &found)) in wanted.0.iter().zip(found).enumerate() {
+            let amiss = f64::from(wanted) - f64::from(found);
             let weight = if channel == 3 { 1.0 } else { visible };
             sum += weight * amiss * amiss;
             count += weight;

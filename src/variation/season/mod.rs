@@ -105,21 +105,8 @@ pub fn put_in_season(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::branches::Individual;
-    use crate::branches::species::species_named;
     use crate::raster::{Image, Straight};
-    use crate::segment::labels_from_grey;
-
-    /// A grown tree with its true labels.
-    fn sample(name: &str) -> Tree {
-        let individual = Individual::new(species_named(name).unwrap(), 1);
-        let tree = individual.grow(&Cancel::new()).unwrap();
-        let grown = tree.picture((256, 256), false, &Cancel::new()).unwrap();
-        Tree {
-            labels: labels_from_grey(&grown.labels),
-            image: grown.image,
-        }
-    }
+    use crate::variation::maker::grown as sample;
 
     fn put(tree: &Tree, season: Season, amount: f64, snow: f64, evergreen: bool) -> Tree {
         let mut tree = tree.clone();

@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Trees of the built-in samples that stand in for a user's.
-const TREES: [&str; 4] = ["oak", "pine", "birch", "maple_autumn"];
+const TREES: [&str; 4] = ["oak_01", "pine_01", "birch_01", "maple_03"];
 
 /// What is run, one after the other; results of one are inputs of others. The first word is the name
 /// in the table and where the results go, with the ending that it has.

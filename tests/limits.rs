@@ -44,7 +44,7 @@ fn too_little_memory_is_an_error_not_an_abort() {
     let folder = folder();
     let mut failed = 0;
     // From hardly enough to start to nearly enough to finish.
-    for kilobytes in [60_000, 70_000, 80_000, 90_000, 100_000, 120_000] {
+    for kilobytes in [130_000, 140_000, 150_000, 160_000, 170_000, 180_000] {
         let limit = format!("ulimit -c 0 && ulimit -v {kilobytes}");
         let vary = "vary --library trees --count 2 --no-cache --threads 2 --out new";
         let output = limited(folder.path(), &limit, vary);

@@ -217,7 +217,7 @@ fn odd_sizes_and_thin_crowns_work_and_too_small_ones_are_refused() {
             (width, height)
         );
     }
-    let (picture, _) = sample("birch");
+    let (picture, _) = sample("birch_01");
     let thin = |width: u32| {
         let mut mask = Image::filled(picture.width(), picture.height(), false);
         for y in 0..picture.height() {

@@ -246,10 +246,9 @@ fn unwritten(path: &Path, reason: std::io::Error) -> FileError {
 
 /// What the system said, without the hidden name that the file had when it did.
 fn of_system(reason: std::io::Error) -> std::io::Error {
-    let inner = reason.get_ref().and_then(|error| error.source());
-    let inner = inner.and_then(|error| error.downcast_ref::<std::io::Error>());
-    match inner.and_then(std::io::Error::raw_os_error) {
-        Some(code) => std::io::Error::from_raw_os_error(code),
+    // `tempfile` puts the name behind the words and keeps the error to itself.
+    match reason.to_string().split_once(" at path \"") {
+        Some((words, _)) => std::io::Error::new(reason.kind(), words),
         None => reason,
     }
 }

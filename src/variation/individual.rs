@@ -50,6 +50,9 @@ const SWAY: f64 = 0.5;
 const BAND: f64 = 0.22;
 const INSIDE: f32 = 0.84;
 
+/// Smoothed alpha from which gaps in the new foliage are gaps of the tree.
+const DEEP: f32 = 0.997;
+
 /// Gaps up to twice this wide, in cell sizes, belong to the inside although the sky reaches into them.
 const CLOSED: f64 = 0.16;
 
@@ -188,7 +191,8 @@ fn within_outline(
         if *label == Label::Trunk || *foliage_label == Label::Trunk {
             continue;
         }
-        if *inside >= INSIDE {
+        // Near the outline a cell may show sky that belongs beyond it.
+        if *inside >= INSIDE && (foliage.alpha() >= 128 || *inside >= DEEP) {
             (*pixel, *label) = (*foliage, *foliage_label);
         } else if foliage.alpha() >= 128 && pixel.alpha() > 0 {
             let [r, g, b, _] = foliage.0;

@@ -7,6 +7,8 @@ Each run must end in time and within the memory, without a signal; when it fails
 line on stderr beside warnings, and nothing written. Prints a line a reader, and one for each failure."""
 import argparse, collections, concurrent.futures, json, os, re, resource, shutil, signal, struct, subprocess, sys, tempfile, zlib
 
+from inputs import photo_and_mask
+
 ODD = re.compile("[\x00-\x08\x0b-\x1f\x7f\u202a-\u202e]")
 
 
@@ -74,30 +76,11 @@ def tried(boscage, case, options):
     return done.returncode, None
 
 
-def picture(path, side, pixel):
-    """A PNG of side x side pixels, without any library: pixel(x, y) gives its channels."""
-    channels = len(pixel(0, 0))
-    rows = b"".join(b"\0" + bytes(v for x in range(side) for v in pixel(x, y)) for y in range(side))
-    chunk = lambda name, body: struct.pack(">I", len(body)) + name + body + struct.pack(">I", zlib.crc32(name + body))
-    header = struct.pack(">IIBBBBB", side, side, 8, {1: 0, 3: 2, 4: 6}[channels], 0, 0, 0)
-    open(path, "wb").write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(rows, 1)) + chunk(b"IEND", b""))
-
-
-def photo_and_mask(folder, side):
-    """A round crown of clumps on a blue sky, and its mask."""
-    inside = lambda x, y: (x - side / 2) ** 2 + (y - side / 2) ** 2 < (0.45 * side) ** 2
-    def leaf(x, y):
-        green = 60 + (x // 12 * 71 + y // 12 * 37) % 60 + (x * 7919 + y * 104729 + x * y * 31) % 50
-        return (green // 2, green, green // 4) if inside(x, y) else (120, 170, 250)
-    picture(folder + "/photo.png", side, leaf)
-    picture(folder + "/mask.png", side, lambda x, y: (255 * inside(x, y),))
-
-
 def prepared(boscage, folder):
     run = lambda *words: subprocess.run([boscage, *words], cwd=folder, check=True, capture_output=True)
     run("samples", "--bundled", "--out", "samples")
     os.mkdir(folder + "/trees")
-    for source, name in [("oak.png", "a.png"), ("pine.png", "b.png")]:
+    for source, name in [("oak_01.png", "a.png"), ("pine_01.png", "b.png")]:
         shutil.copy(f"{folder}/samples/{source}", f"{folder}/trees/{name}")
     photo_and_mask(folder, 128)
     open(folder + "/polygon.json", "w").write('{"points":[[0,0],[90,0],[90,90],[0,90]]}')

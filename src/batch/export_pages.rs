@@ -8,7 +8,7 @@ use super::run::Run;
 use crate::base::{Cancel, Seed};
 use crate::export::{
     AtlasSettings, AtlasSprite, PageContent, PresetTree, SpriteLayout, atlas_json_array,
-    atlas_json_hash, atlas_layout, atlas_page, mips,
+    atlas_json_hash, atlas_layout, atlas_page,
 };
 use crate::raster::{Compression, Image, Rect, Straight, encode_opaque_png, encode_png, resized};
 use crate::segment::{Classical, SegmentError, Segmenter as _};
@@ -16,7 +16,7 @@ use crate::variation::{Season, SeasonSettings, Tree, is_evergreen, put_in_season
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-use super::export_tree::{TextureForm, encoded_textures};
+use super::export_tree::{TextureForm, encoded_textures, map_levels};
 
 /// One picture of a tree, cut to its frame and made small.
 fn small(
@@ -145,11 +145,7 @@ fn write_page(
         return Ok(());
     }
     let regions: Vec<Rect> = frames.iter().map(|(_, frame)| *frame).collect();
-    let levels = match map {
-        "albedo" => mips(image, &regions, session.cancel)?,
-        "normal" => crate::export::normal_mips(image, session.cancel)?,
-        _ => crate::export::data_mips(image, session.cancel)?,
-    };
+    let levels = map_levels(map, image, &regions, session)?;
     for (ending, bytes) in encoded_textures(settings, &levels, map == "albedo", others, session)? {
         write(ending, &bytes)?;
     }

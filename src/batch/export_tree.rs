@@ -14,7 +14,9 @@ use crate::export::{
 };
 use crate::geometry::Point;
 use crate::pipeline::{DEPTH_SHARE, TreeMaps, tree_maps};
-use crate::raster::{Compression, Image, Straight, encode_grey_png, encode_opaque_png, encode_png};
+use crate::raster::{
+    Compression, Image, Rect, Straight, encode_grey_png, encode_opaque_png, encode_png,
+};
 use clap::ValueEnum;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -301,7 +303,7 @@ fn packed(
     let inside = images.iter().filter(|(map, _)| IN_MODELS.contains(map));
     inside
         .map(|(map, image)| {
-            let levels = map_levels(map, &image.texels(), session)?;
+            let levels = map_levels(map, &image.texels(), &[], session)?;
             let blocks = CompressedLevels::of(&levels, BlockFormat::Uastc, session.cancel)?;
             let file = encode_ktx2(&blocks, *map == "albedo", session.cancel)?;
             Ok((*map, file))
@@ -309,14 +311,15 @@ fn packed(
         .collect()
 }
 
-/// All mip levels of a map.
-fn map_levels(
+/// All mip levels of a map; coverage is kept in each of `regions`, see [`mips`].
+pub(crate) fn map_levels(
     map: &str,
     texels: &Image<Straight>,
+    regions: &[Rect],
     session: &Run<'_>,
 ) -> Result<Vec<Image<Straight>>, Failure> {
     Ok(match map {
-        "albedo" => mips(texels, &[], session.cancel)?,
+        "albedo" => mips(texels, regions, session.cancel)?,
         "normal" => normal_mips(texels, session.cancel)?,
         _ => data_mips(texels, session.cancel)?,
     })
@@ -349,7 +352,7 @@ fn write_textures(
         if forms.is_empty() {
             continue;
         }
-        let levels = map_levels(map, &image.texels(), session)?;
+        let levels = map_levels(map, &image.texels(), &[], session)?;
         let textures = encoded_textures(settings, &levels, *map == "albedo", forms, session)?;
         for (file, bytes) in textures {
             session.output.write(&settings.out.join(file), &bytes)?;

@@ -85,6 +85,8 @@ pub struct ExportChoice {
     pub maps: Vec<ExportMap>,
     /// Forms of texture files beside PNG.
     pub textures: Vec<TextureForm>,
+    /// What the pictures inside models are.
+    pub model_textures: ModelTextures,
     /// Whether all trees are also put on atlas pages.
     pub has_atlas: bool,
     /// Leaves of crowns.
@@ -93,6 +95,10 @@ pub struct ExportChoice {
     pub impostors: BTreeSet<ImpostorName>,
     /// Whether the cubemaps of crowns are also written as OpenEXR.
     pub exr: bool,
+    /// Whose work it is; empty: not said.
+    pub author: String,
+    /// What others may do with it, an SPDX name; empty: not said.
+    pub license: String,
 }
 
 impl Default for BatchSettings {
@@ -116,10 +122,13 @@ impl Default for ExportChoice {
             height_m: 10.0,
             maps: vec![ExportMap::Normal, ExportMap::Ao],
             textures: Vec::new(),
+            model_textures: ModelTextures::Png,
             has_atlas: false,
             leaves: LeafName::default(),
             impostors: [ImpostorName::Full, ImpostorName::Hemisphere].into(),
             exr: false,
+            author: String::new(),
+            license: String::new(),
         }
     }
 }
@@ -148,15 +157,15 @@ impl ExportChoice {
             planes: 3,
             maps,
             textures,
-            model_textures: ModelTextures::Png,
+            model_textures: self.model_textures,
             blocks: BlockName::default().format(),
             atlas: self.has_atlas,
             atlas_tree: 256,
             evergreen: false,
             wind: WindChannels::Attribute,
             rights: LicenseRecord {
-                author: None,
-                license: None,
+                author: said(&self.author),
+                license: said(&self.license),
             },
             crowns: CrownExportSettings {
                 impostors: self.impostors.iter().copied().collect(),
@@ -167,6 +176,12 @@ impl ExportChoice {
             },
         }
     }
+}
+
+/// What a field says, unless it is empty.
+fn said(field: &str) -> Option<String> {
+    let field = field.trim();
+    (!field.is_empty()).then(|| field.to_owned())
 }
 
 /// A batch with all that it needs, for a job to own.

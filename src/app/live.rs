@@ -265,6 +265,11 @@ impl Studio {
             if let Some((job, _)) = live.full {
                 self.jobs.cancel(job);
             }
+            let shown = live.shown.as_ref().map(|shown| shown.serial);
+            if let Some((job, _)) = live.quick.filter(|(_, serial)| shown == Some(*serial)) {
+                // It has answered, and refines what nobody waits for any more.
+                self.jobs.cancel(job);
+            }
             let source = wanted.as_ref().map(|wanted| &wanted.input.photo);
             let is_of_source = |shown: &Arc<ShownCrown>| {
                 source.is_some_and(|source| Arc::ptr_eq(source, &shown.source))

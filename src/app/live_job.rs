@@ -22,14 +22,17 @@ pub(super) struct Making {
 }
 
 impl Making {
+    /// A coarse crown first; then, where no mask was painted, the crown at its own size. The second is
+    /// given up when a later edit comes.
     pub(super) fn quick(&self, context: &Context<Outcome>) -> Result<Outcome, JobError> {
-        let is_inflated = self.cached().is_inflated(&self.input);
-        let quality = if is_inflated {
-            Quality::Fine
-        } else {
-            Quality::Coarse
-        };
-        self.outcome(quality, context)
+        let known = self.cached();
+        if !known.is_inflated(&self.input) {
+            return self.outcome(Quality::Coarse, context);
+        }
+        if !known.is_shaped(&self.input, &self.request) {
+            context.publish(self.outcome(Quality::Coarse, context)?);
+        }
+        self.outcome(Quality::Fine, context)
     }
 
     pub(super) fn full(&self, context: &Context<Outcome>) -> Result<Outcome, JobError> {

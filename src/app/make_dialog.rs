@@ -6,7 +6,7 @@ use super::batch_jobs::{BatchSettings, ExportChoice, Which};
 use super::commands::Command;
 use super::studio::{Studio, Workspace};
 use super::theme::{GAP, TIGHT, dialog};
-use crate::batch::{ExportMap, ImpostorName, LeafName, MapName, TextureForm};
+use crate::batch::{ExportMap, ImpostorName, LeafName, MapName, ModelTextures, TextureForm};
 use crate::export::Preset;
 use clap::ValueEnum as _;
 use egui::{Context, DragValue, Ui, vec2};
@@ -83,10 +83,12 @@ impl MakeDialog {
                 (true, true) => {
                     self.engine(ui);
                     self.of_crowns(ui);
+                    self.of_models(ui);
                 }
                 (true, false) => {
                     self.engine(ui);
                     self.of_trees(ui);
+                    self.of_models(ui);
                 }
                 (false, _) => self.pictures(ui),
             }
@@ -319,7 +321,36 @@ impl MakeDialog {
             ui.add_enabled(false, egui::Button::new("PNG").selected(true));
             listed(ui, &mut export.textures, TextureForm::Dds, "DDS");
             listed(ui, &mut export.textures, TextureForm::Ktx2, "KTX2");
+            listed(ui, &mut export.textures, TextureForm::Uastc, "UASTC");
             ui.checkbox(&mut export.has_atlas, "Atlas pages");
+        });
+    }
+
+    /// What is said of trees and of crowns alike.
+    fn of_models(&mut self, ui: &mut Ui) {
+        let export = &mut self.export;
+        if export.preset.has_models() {
+            row(ui, "In models", |ui| {
+                let choice = &mut export.model_textures;
+                ui.selectable_value(choice, ModelTextures::Png, "PNG")
+                    .on_hover_text("Every program reads it.");
+                ui.selectable_value(choice, ModelTextures::Basisu, "Basis Universal")
+                    .on_hover_text(
+                        "Stays packed on the graphics card: a quarter of the memory, with mip levels. \
+                         For the web; Blender and Godot want PNG.",
+                    );
+            });
+        }
+        row(ui, "Rights", |ui| {
+            for (field, hint, told) in [
+                (&mut export.author, "author", "Author"),
+                (&mut export.license, "licence, as CC-BY-4.0", "Licence"),
+            ] {
+                let field_now = field.clone();
+                let line = egui::TextEdit::singleline(field).hint_text(hint);
+                ui.add(line.desired_width(150.0))
+                    .widget_info(|| egui::WidgetInfo::text_edit(true, "", &field_now, told));
+            }
         });
     }
 

@@ -151,10 +151,14 @@ impl Glb {
         let albedo = material.albedo.map(|file| texture("albedo", file));
         let normal = material.normal.map(|file| texture("normal", file));
         let occlusion = material.occlusion.map(|file| texture("ao", file));
+        // Bent normals are seen at angles that no surface has: there the usual 4 % of mirrored light
+        // become a grey haze.
         let mut value = json!({
             "name": material.name,
             "pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 0.9},
+            "extensions": {"KHR_materials_specular": {"specularFactor": 0.0}},
         });
+        self.uses("KHR_materials_specular");
         if material.color != [1.0; 4] {
             value["pbrMetallicRoughness"]["baseColorFactor"] = json!(material.color);
         }

@@ -105,7 +105,7 @@ impl Preset {
         match self {
             Self::Blender => {
                 "File > Import > glTF 2.0: models/*.glb are the trees (origin at the foot, metres), scatter.glb a sample scene.\n\
-                 Materials are ready (alpha clip at 0.5); textures/ holds the same pictures as loose files.\n\
+                 Materials are ready (alpha clip at 0.5); textures/ holds the pictures. If crossed cards darken each other in Cycles, switch off Object > Visibility > Ray Visibility > Shadow.\n\
                  Wind weights are the vertex attribute _WIND: red edge flutter, green phase, blue sway.\n"
             }
             Self::Godot => {

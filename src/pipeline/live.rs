@@ -26,9 +26,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// How good a crown must be, and so how long it takes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quality {
-    /// From a thinned picture, at a quarter of the texels: while a mask is painted.
+    /// From a thinned picture, at a quarter of the texels: while a mask is painted or k is dragged.
     Coarse,
-    /// Its own size, with the foliage that is there: while k or ρ is dragged.
+    /// Its own size, with the foliage that is there: while ρ is dragged, and when the hand slows down.
     Fine,
     /// As [`super::crown()`] makes it.
     Full,
@@ -137,6 +137,19 @@ struct ShapeKey {
     source: u64,
     settings: CrownSettings,
     depths: BTreeMap<u8, f64>,
+}
+
+impl ShapeKey {
+    fn of(source: &Made<LiveInput, Source>, request: &CrownRequest) -> Self {
+        Self {
+            source: source.version,
+            settings: of_shape(&request.settings),
+            depths: match source.value.regions.is_parted() {
+                true => request.sub_crown_depths.clone(),
+                false => BTreeMap::new(),
+            },
+        }
+    }
 }
 
 /// A photograph and its regions, thinned or not.
@@ -253,6 +266,16 @@ impl LiveCrown {
         })
     }
 
+    /// Whether the surface before relief is known: then [`Quality::Fine`] takes no longer than
+    /// [`Quality::Coarse`].
+    pub fn is_shaped(&self, input: &LiveInput, request: &CrownRequest) -> bool {
+        let source = self.fine.source.0.as_ref();
+        let shape = self.fine.shape.0.as_ref();
+        source.zip(shape).is_some_and(|(source, shape)| {
+            source.key == *input && shape.key == ShapeKey::of(source, request)
+        })
+    }
+
     /// Takes up what a copy of this one has found.
     pub fn adopt(&mut self, copy: Self) {
         self.coarse.adopt(copy.coarse);
@@ -354,14 +377,7 @@ impl Shapes {
     ) -> Result<Arc<MadeShape>, CrownError> {
         let settings = &request.settings;
         let regions = &source.value.regions;
-        let key = ShapeKey {
-            source: source.version,
-            settings: of_shape(settings),
-            depths: match regions.is_parted() {
-                true => request.sub_crown_depths.clone(),
-                false => BTreeMap::new(),
-            },
-        };
+        let key = ShapeKey::of(source, request);
         let inflated = &mut self.inflated;
         self.shape.get(key, |_| {
             let stage = progress.stage("shape", 2);

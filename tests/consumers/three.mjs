@@ -3,7 +3,8 @@
 // Needs chromium (or CHROMIUM=its path) and `npm install three` in this folder, above, or in the
 // folder of node_modules that NODE_PATH names. Fails when a tree does not stand on the ground, has
 // another height than library.json says, shows another silhouette than its picture (upside down,
-// mirrored, cut off) from the front or the back, or loses leaves at a distance. Of a crown it loads
+// mirrored, cut off) from the front or the back, or loses leaves at a distance, or when a KTX2 file
+// (BC7 or UASTC) lacks levels or differs from its PNG. Of a crown it loads
 // the leaf model, the surface and the impostors with their sample shader, and fails when these have
 // not the size and the outline of the leaf model. Writes OUT/NAME.png (front, two sides, back, from
 // above, far away; of a crown one row a form) and OUT/scatter.png, to be looked at.
@@ -24,7 +25,7 @@ mkdirSync(out, { recursive: true });
 const library = JSON.parse(readFileSync(join(folder, "library.json")));
 const wanted = list => (list ?? []).filter(tree => !names.length || names.includes(tree.name));
 const [trees, crowns] = [wanted(library.trees), wanted(library.crowns)];
-const types = { ".js": "text/javascript", ".html": "text/html", ".png": "image/png", ".json": "application/json" };
+const types = { ".js": "text/javascript", ".html": "text/html", ".png": "image/png", ".json": "application/json", ".wasm": "application/wasm" };
 
 function answered(path) {
   if (path === "/") return [readFileSync(join(here, "three.html")), ".html"];
@@ -61,10 +62,11 @@ let browser;
 const profile = mkdtempSync(join(tmpdir(), "three-"));
 function finished(report) {
   let bad = 0;
-  for (const { name, height, kept, complaints } of report) {
+  for (const { name, height, kept, complaints, offs = [] } of report) {
     bad += complaints.length;
     const told = complaints.length ? complaints.join("; ") : `${height.toFixed(2)} m, ${kept.toFixed(2)} of the leaves far away`;
-    console.log(`${name}: ${told}`);
+    const read = offs.length ? `; ${offs.length} KTX2 files within ${Math.max(...offs).toFixed(1)} of 255` : "";
+    console.log(`${name}: ${told}${read}`);
   }
   process.exitCode = bad || !report.length ? 1 : 0;
   browser.kill();

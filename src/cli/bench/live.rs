@@ -29,18 +29,24 @@ pub(super) fn rows(cancel: &Cancel) -> Result<Vec<Row>, Failure> {
     let prepared = PreparedCrown::new(&first.crown, cancel)?;
     let mut turn = 0u32;
     let mut rows = Vec::new();
-    rows.push(
-        measured("live: k", cancel, || {
+    for (name, quality, target) in [
+        ("live: k", Quality::Coarse, Some(16.0)),
+        ("live: k, refined", Quality::Fine, None),
+    ] {
+        let row = measured(name, cancel, || {
             turn += 1;
             let mut request = request();
             let k = 1.5 + 0.01 * f64::from(turn % 50);
             request.settings.k = Some(Tangent::Constant(k));
-            let made = updated(&mut live, &one, &request, Quality::Fine, cancel)?;
+            let made = updated(&mut live, &one, &request, quality, cancel)?;
             black_box(prepared.reshaped(&made.crown));
             Ok::<(), Failure>(())
-        })?
-        .target(16.0),
-    );
+        })?;
+        rows.push(match target {
+            Some(target) => row.target(target),
+            None => row,
+        });
+    }
     rows.push(
         measured("live: ρ", cancel, || {
             turn += 1;

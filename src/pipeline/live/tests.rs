@@ -100,11 +100,13 @@ fn only_what_an_edit_touches_is_made_anew() {
     };
     let before = versions(&kept);
     let rho = request(|s| s.rho = 0.5);
+    assert!(kept.is_shaped(&input, &rho));
     let second = live(&mut kept, &input, &rho, Quality::Fine);
     assert_eq!(versions(&kept), before);
     assert_eq!(second.color_version, first.color_version);
     assert_ne!(second.crown.radius_m, first.crown.radius_m);
     let k = request(|s| s.k = document::Tangent::Expression("1".into()));
+    assert!(!kept.is_shaped(&input, &k));
     let third = live(&mut kept, &input, &k, Quality::Fine);
     let after = versions(&kept);
     assert_eq!((after.0, after.2), (before.0, before.2));

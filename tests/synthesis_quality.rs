@@ -291,12 +291,12 @@ fn textures_are_as_like_their_exemplar_as_those_of_wei_and_levoy() {
     let Some(data) = reference::data("photos") else {
         return;
     };
-    let names = [
+    let names = reference::some(&[
         "white_oak_dense_01",
         "catalpa_01",
         "juniper_shrub_dense_01",
         "boxelder_dense_01",
-    ];
+    ]);
     let figures: Vec<(f64, f64)> = names
         .par_iter()
         .map(|name| {

@@ -18,6 +18,16 @@ pub(crate) fn data(part: &str) -> Option<PathBuf> {
     found.then_some(folder)
 }
 
+/// A few of `all`, spread evenly, for the time it takes; with `BOSCAGE_ALL_PHOTOS` all of them, for
+/// whoever changes the synthesis.
+pub(crate) fn some<T>(all: &[T]) -> Vec<&T> {
+    let step = match std::env::var_os("BOSCAGE_ALL_PHOTOS") {
+        Some(_) => 1,
+        None => (all.len() / 4).max(2),
+    };
+    all.iter().step_by(step).collect()
+}
+
 /// The folder of reference results, absolute.
 pub(crate) fn oracle() -> Option<PathBuf> {
     let named = std::env::var_os("BOSCAGE_ORACLE").map(|folder| absolute(Path::new(&folder)));

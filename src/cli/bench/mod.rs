@@ -2,6 +2,7 @@
 
 mod crown;
 mod live;
+mod paint;
 mod render;
 mod row;
 mod segment;
@@ -51,15 +52,18 @@ enum Topic {
     Render,
     /// Crown and trunk
     Segment,
+    /// The brush on a large photograph
+    Paint,
 }
 
 impl Topic {
-    const ALL: [Self; 5] = [
+    const ALL: [Self; 6] = [
         Self::Variation,
         Self::Crown,
         Self::Synth,
         Self::Render,
         Self::Segment,
+        Self::Paint,
     ];
 
     fn rows(self, session: &Session<'_>) -> Result<Vec<Row>, Failure> {
@@ -74,6 +78,7 @@ impl Topic {
             Self::Synth => synth::rows(cancel),
             Self::Render => render::rows(session),
             Self::Segment => segment::rows(cancel),
+            Self::Paint => paint::rows(cancel),
         }
     }
 }

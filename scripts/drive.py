@@ -28,6 +28,8 @@ SAMPLE_BUTTON = (720, 292)
 FIXED_K = (1261, 104)
 K_RAIL = ((1196, 1352), 158)
 SKIP_TOUR = (101, 835)
+# The right of the sample's outline.
+OUTLINE = (709, 545)
 
 
 class Studio:
@@ -246,9 +248,10 @@ def sample(start, config, out, table, guide):
     studio.hand("mousemove", *CANVAS, "key", "k")
     studio.hand("key", "shift+w")
     time.sleep(1.0)
-    studio.hand("mousemove", 690, 420, "mousedown", 1)
+    x, y = OUTLINE
+    studio.hand("mousemove", x, y, "mousedown", 1)
     for step in range(8):
-        studio.hand("mousemove", 690 + 4 * step, 420)
+        studio.hand("mousemove", x + 4 * step, y)
         time.sleep(0.1)
     settle(studio)
     studio.picture(out / "7-depth.png")

@@ -2,7 +2,7 @@
 
 use super::super::super::k_field::{KField, MOST_K};
 use super::super::super::studio::Studio;
-use super::super::super::theme::{GAP, TIGHT, heat, tokens};
+use super::super::super::theme::{GAP, heat, tokens};
 use super::camera::Camera;
 use super::overlay::lettered;
 use crate::document::Tangent;
@@ -153,7 +153,7 @@ impl Ground {
 /// The colours of k from 0 up, and the least and largest k there is.
 fn scale(ui: &Ui, painter: &Painter, camera: &Camera, [least, most]: [f64; 2]) {
     let size = vec2(132.0, 8.0);
-    let corner = camera.panel.left_bottom() + vec2(2.0 * GAP, -(size.y + 3.0 * GAP + TIGHT));
+    let corner = camera.panel.left_top() + vec2(2.0 * GAP, 2.0 * GAP);
     let bar = egui::Rect::from_min_size(corner, size);
     let ground = bar.expand2(vec2(GAP, GAP)).with_max_y(bar.max.y + 22.0);
     painter.rect_filled(ground, 4.0, tokens(ui).raised.gamma_multiply(0.9));

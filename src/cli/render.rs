@@ -97,6 +97,9 @@ enum ModeName {
     Mesh,
     /// Triangles of the base mesh, coloured by their distance from the centre
     Base,
+    /// The base mesh, coloured by how much it stretches the photograph: dark not at all, yellow
+    /// eight times and more
+    Stretch,
     /// Leaves when near, relief when far
     Auto,
 }
@@ -257,7 +260,7 @@ impl Flags {
             mode: match self.mode {
                 ModeName::Relief => Mode::Relief,
                 ModeName::Leaves => Mode::Leaves,
-                ModeName::Mesh | ModeName::Base => Mode::Mesh,
+                ModeName::Mesh | ModeName::Base | ModeName::Stretch => Mode::Mesh,
                 ModeName::Auto => Mode::Switched,
             },
             view: match self.view {
@@ -315,6 +318,7 @@ impl Flags {
         match self.mode {
             ModeName::Mesh => meshes.push(PreparedMesh::of_crown(crown, CELLS)),
             ModeName::Base => meshes.push(PreparedMesh::of_base(crown)),
+            ModeName::Stretch => meshes.push(PreparedMesh::of_stretch(crown)),
             _ => {}
         }
         meshes

@@ -85,6 +85,20 @@ impl PreparedMesh {
         Self::heat_map(&crown.base_mesh, &far, (0.0, most))
     }
 
+    /// The base mesh of a crown, coloured by how much it stretches the photograph that is laid on it
+    /// from the front: the area of the surface by that of its picture, 1 (dark) to 8 and more, in
+    /// halvings of the tone (thesis §4.3: where foliage must be synthesised instead).
+    pub fn of_stretch(crown: &Crown) -> Self {
+        /// Stretch at the end of the scale, powers of two.
+        const MOST: f64 = 3.0;
+        let normals = crown.base_mesh.vertex_normals();
+        let halvings: Vec<f64> = normals
+            .iter()
+            .map(|normal| -libm::log2(normal.z.abs().max(1e-6)))
+            .collect();
+        Self::heat_map(&crown.base_mesh, &halvings, (0.0, MOST))
+    }
+
     /// A stem with furrowed bark, in the shade of `crown` where it stands below or within it.
     pub fn of_trunk(trunk: &Trunk, crown: &Crown) -> Self {
         let place = |i: u32, j: u32| {
@@ -222,6 +236,30 @@ mod tests {
         assert_eq!(heat(0.0), [0.04, 0.01, 0.15]);
         let end = heat(1.0).map(|channel| (channel * 100.0).round());
         assert_eq!(end, [98.0, 80.0, 2.0]);
+    }
+
+    #[test]
+    fn a_photograph_is_stretched_where_the_surface_turns_away() {
+        let mut crown = ball();
+        crown.base_mesh = cube_sphere(&crown.radius_m, crown.center_m, 16).mesh;
+        let mesh = PreparedMesh::of_stretch(&crown);
+        let tone = |direction: DVec3| {
+            let place = crown.center_m + 2.0 * direction;
+            let far = |corner: &&MeshVertex| {
+                let position = DVec3::from(corner.position.map(f64::from));
+                position.distance(place)
+            };
+            let nearest = mesh.corners.iter().min_by(|a, b| far(a).total_cmp(&far(b)));
+            nearest.unwrap().color
+        };
+        assert_eq!(tone(DVec3::Z), heat(0.0));
+        assert_eq!(tone(DVec3::X), heat(1.0));
+        // At 60 degrees the surface is twice its picture: one of three halvings.
+        let slanted = DVec3::new(0.75f64.sqrt(), 0.0, 0.5);
+        let (found, expected) = (tone(slanted), heat(1.0 / 3.0));
+        for (found, expected) in found.into_iter().zip(expected) {
+            assert!((found - expected).abs() < 0.1, "{found} {expected}");
+        }
     }
 
     #[test]

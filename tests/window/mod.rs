@@ -45,7 +45,7 @@ pub(crate) fn open_sample(window: &mut Window) {
 
 /// Draws frames until `is_so`: jobs take their time.
 pub(crate) fn wait(window: &mut Window, is_so: impl Fn(&Shell) -> bool) {
-    let until = Instant::now() + Duration::from_secs(120);
+    let until = Instant::now() + Duration::from_secs(300);
     while !is_so(window.state()) {
         assert!(Instant::now() < until, "what was waited for did not happen");
         std::thread::sleep(Duration::from_millis(10));

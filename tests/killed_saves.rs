@@ -11,7 +11,7 @@
 
 use boscage::base::{Cancel, Random, Seed};
 use boscage::document::store::{Over, Recovery, backup_path, open, save};
-use boscage::document::{Document, Edit, PhotoId};
+use boscage::document::{Document, Edit, NewPhoto, PhotoId};
 use boscage::paint::{CROWN, TiledMask};
 use boscage::raster::Rect;
 use std::io::{Read as _, Write as _};
@@ -104,12 +104,8 @@ fn project(revision: u64) -> Document {
     let photo: Vec<u8> = (0..300_000u64)
         .map(|at| (at.wrapping_mul(0x9e37_79b9_7f4a_7c15 ^ (revision % 3)) >> 32) as u8)
         .collect();
-    let photo = Edit::AddPhoto {
-        name: "wood.png".to_owned(),
-        bytes: photo.into(),
-        width: 800,
-        height: 600,
-    };
+    let photo = NewPhoto::new("wood.png", photo.into(), (800, 600));
+    let photo = Edit::AddPhotos(vec![photo]);
     let mut mask = TiledMask::filled(800, 600, 0);
     let rect = Rect {
         x: (revision % 500) as u32,

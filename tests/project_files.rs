@@ -7,8 +7,8 @@
 
 use boscage::base::Cancel;
 use boscage::document::{
-    CrownSettings, Document, Edit, ExemplarWeight, PhotoId, Tangent, VariationSettings, decode,
-    encode,
+    CrownSettings, Document, Edit, ExemplarWeight, NewPhoto, PhotoId, Tangent, VariationSettings,
+    decode, encode, store,
 };
 use boscage::paint::{CROWN, FillRule, Paint, TRUNK, painted, polygon_selection};
 use boscage::raster::{Compression, Image, Straight, encode_png};
@@ -25,12 +25,9 @@ fn project() -> Document {
     let mut document = Document::new();
     let pixel = |i: u32| Straight([(i % 48 * 5) as u8, (i / 48 * 3) as u8, 90, 255]);
     let photo = Image::from_pixels(48, 64, (0..48 * 64).map(pixel).collect());
-    let photo = Edit::AddPhoto {
-        name: "drawn.png".to_owned(),
-        bytes: encode_png(&photo, Compression::Small).into(),
-        width: 48,
-        height: 64,
-    };
+    let bytes = encode_png(&photo, Compression::Small).into();
+    let photo = NewPhoto::new("drawn.png", bytes, (48, 64));
+    let photo = Edit::AddPhotos(vec![photo]);
     document.apply("Add photo", photo).unwrap();
     let mut mask = (**document.state().mask(id).unwrap()).clone();
     for (points, label) in [
@@ -96,4 +93,54 @@ fn files_of_version_1_open() {
     assert_eq!(back.document.history_steps(), (4, 1));
     back.document.redo().unwrap();
     assert_eq!(back.document.state().content().title, "Undone");
+}
+
+/// Files that are nearly a project: cut anywhere, a byte changed anywhere, doubled, with a tail.
+fn damaged(file: &[u8]) -> Vec<Vec<u8>> {
+    let mut all: Vec<Vec<u8>> = (0..file.len())
+        .step_by(37)
+        .map(|at| file[..at].to_vec())
+        .collect();
+    for at in (0..file.len()).step_by(11) {
+        for bit in [0, 7] {
+            let mut changed = file.to_vec();
+            changed[at] ^= 1 << bit;
+            all.push(changed);
+        }
+    }
+    all.push(file.repeat(2));
+    all.push([file, b"tail"].concat());
+    all.push(vec![0; 4096]);
+    all
+}
+
+#[test]
+fn every_damaged_file_is_refused_in_one_line_that_names_it() {
+    let file = std::fs::read(fixture()).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("wood.boscage");
+    let mut opened = 0;
+    let all = damaged(&file);
+    for bytes in &all {
+        std::fs::write(&path, bytes).unwrap();
+        match store::open(&path) {
+            Err(error) => {
+                let line = error.to_string();
+                assert!(
+                    line.contains("wood.boscage") && !line.contains(char::is_control),
+                    "{line}"
+                );
+            }
+            // Damage of what may be left out (the history, how it was looked at) is told, and left out.
+            Ok((decoded, _)) => {
+                opened += 1;
+                assert!(!decoded.notes.is_empty(), "damage that nobody noticed");
+                assert_eq!(decoded.document.complaint(), None);
+            }
+        }
+    }
+    println!(
+        "damaged projects: {} files, {opened} opened without their history or view, all others refused in a line",
+        all.len()
+    );
 }

@@ -9,7 +9,7 @@ use boscage::app::{
     Action, Command, MaskAction, MaskCommand, Overlay, Pen, Shell, Studio, Tool, ToolOption,
 };
 use boscage::base::{Digest, Seed};
-use boscage::document::Edit;
+use boscage::document::{Edit, NewPhoto};
 use boscage::paint::{BACKGROUND, CROWN, Sample, TRUNK, TiledMask};
 use boscage::raster::{Compression, Image, Straight, encode_png};
 use egui::accesskit::Role;
@@ -779,12 +779,8 @@ fn two_hundred_strokes_on_a_large_photograph_stay_small() {
         .build_eframe(move |creation| Shell::new(creation, recovery, Vec::new()));
     let studio = window.state_mut().studio_mut();
     // The history does not care that these bytes are no picture.
-    let edit = Edit::AddPhoto {
-        name: "large".into(),
-        bytes: (*b"no picture").into(),
-        width: 8192,
-        height: 8192,
-    };
+    let photo = NewPhoto::new("large", (*b"no picture").into(), (8192, 8192));
+    let edit = Edit::AddPhotos(vec![photo]);
     studio.act(Action::Edit {
         label: "Add Picture",
         edit,

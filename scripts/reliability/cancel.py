@@ -9,7 +9,7 @@ import argparse, hashlib, os, random, shutil, signal, struct, subprocess, sys, t
 from inputs import photo_and_mask
 
 COMMANDS = {
-    # name: (arguments, what it writes, whether --resume keeps what is done)
+    # name: (arguments, what it writes, which is behind --out if OUT does not say otherwise)
     "vary": ("vary --library trees --count 12 --maps labels,normal,depth,ao,translucency", "out"),
     "morph": ("morph trees/a.png trees/b.png --steps 12", "out"),
     "table": ("table --library trees", "out.png"),
@@ -26,6 +26,11 @@ COMMANDS = {
     "export": ("export new --preset unreal --textures png,dds,ktx2 --maps normal,depth,ao --atlas", "out"),
     "export crown": ("export crown --preset web", "out"),
     "samples": ("samples --height 512", "out"),
+    "season autumn": ("season trees --season autumn --snow 0.4", "out"),
+    "season winter": ("season trees --season winter", "out"),
+    "score": ("score new --against trees --sheet OUT", "out.png"),
+    "render card": ("render crown --backend gpu --mode leaves --size 900 900", "out.png"),
+    "demo": ("demo", "out"),
 }
 
 
@@ -96,7 +101,9 @@ def main():
 
 
 def tried(boscage, folder, name, text, out, options, chance):
-    command = [boscage, *text.split(), "--threads", "2"] + (["--out", out] if out else [])
+    command = [boscage, *text.replace("OUT", out or "").split(), "--threads", "2"]
+    if out and "OUT" not in text:
+        command += ["--out", out]
     path = os.path.join(folder, out or "dump")
     start = time.time()
     whole = subprocess.run(command, cwd=folder, capture_output=True, text=True)
@@ -128,7 +135,7 @@ def tried(boscage, folder, name, text, out, options, chance):
                 wrong.append(f"left {left[:2]}")
             elif os.path.isfile(path):
                 wrong.append("left a file")
-        elif process.returncode == 0 or (process.returncode == -signal.SIGTERM and took < 20):
+        elif process.returncode == 0 or (process.returncode == -signal.SIGTERM and took < options.limit_ms):
             ends += 1  # It was done, or had not begun to listen.
         else:
             wrong.append(f"exit code {process.returncode}")

@@ -52,6 +52,7 @@ impl Studio {
             }
             Action::LookAt(view) => self.document.view_mut().canvas = Some(view),
             Action::ShowPhoto(photo) => self.show_photo(photo),
+            Action::SeePhotos(pane, photos) => self.see_photos(pane, &photos),
             Action::Workspace(workspace) => self.go_to(workspace),
             Action::Open(paths) => self.open(paths),
             Action::SaveTo(path) => self.write_project(path, Over::Anything),

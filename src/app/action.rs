@@ -2,6 +2,7 @@
 
 use super::act_vary::VaryAction;
 use super::commands::Command;
+use super::dock::Pane;
 use super::live::LiveAction;
 use super::mask_action::MaskAction;
 use super::studio::Workspace;
@@ -63,6 +64,8 @@ pub enum Action {
     LookAt(CanvasView),
     /// Shows another photograph.
     ShowPhoto(PhotoId),
+    /// These photographs are in a panel's sight and their thumbnails are not there.
+    SeePhotos(Pane, Vec<PhotoId>),
     /// Goes to another workspace.
     Workspace(Workspace),
     /// Opens a project, or adds pictures: whatever the files are.

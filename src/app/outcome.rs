@@ -2,15 +2,18 @@
 
 use super::live::LiveOutcome;
 use super::mask_jobs::MaskResult;
-use super::photos::{THUMBNAIL_PX, Thumbnail};
-use super::studio::{Effect, Question, Severity, Studio};
+use super::photo_jobs::decoded;
+use super::photos::Thumbnail;
+use super::studio::{Effect, Question, Severity, SharedAutosave, Studio};
 use super::vary_jobs::VaryOutcome;
-use crate::base::Digest;
-use crate::document::store::{self, LockError, OnDisk, Over, Recoverable, Stamp, StoreError};
-use crate::document::{Decoded, Document, Edit, PhotoId, Snapshot};
+use crate::base::{Cancel, Digest};
+use crate::document::store::{
+    self, LockError, OnDisk, Over, Recoverable, Recovery, Stamp, StoreError,
+};
+use crate::document::{Decoded, Document, Edit, NewPhoto, PhotoId, Snapshot};
 use crate::jobs::{Context, JobError, Message, Priority, Report, Request, Topic};
 use crate::paint::TiledMask;
-use crate::raster::{Image, Pyramid, ReadLimits, Rect, Straight, read_image_from_memory, resized};
+use crate::raster::{Image, Pyramid, Straight};
 use crate::segment::{Segmenter as _, standard};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -23,8 +26,10 @@ pub(super) enum Outcome {
     Whole(Digest, Arc<Image<Straight>>),
     /// A photograph's thumbnail.
     Thumb(Digest, Thumbnail),
-    /// Pictures to add: name, bytes, width, height; and what could not be read.
-    Pictures(Vec<Picture>, Vec<String>),
+    /// Pictures to add, and what could not be read.
+    Pictures(Vec<NewPhoto>, Vec<String>),
+    /// The thumbnails that were in sight are there.
+    Seen,
     /// A project from a file.
     Opened(PathBuf, Box<Decoded>, Stamp),
     /// The project of the sample library: no file holds it.
@@ -49,13 +54,6 @@ pub(super) enum Outcome {
     Live(LiveOutcome),
     /// What a job of the variations gave.
     Vary(VaryOutcome),
-}
-
-/// A picture that was read from a file.
-pub(super) struct Picture {
-    pub(super) name: String,
-    pub(super) bytes: Arc<[u8]>,
-    pub(super) size: (u32, u32),
 }
 
 fn topic(kind: &'static str, item: u64) -> Topic {
@@ -97,7 +95,8 @@ impl Studio {
             Outcome::Reduced(digest, pyramid) => self.photos.put_pyramid(digest, pyramid),
             Outcome::Mask(result) => self.accept_mask(result),
             Outcome::Thumb(digest, thumbnail) => self.photos.put_thumbnail(digest, thumbnail),
-            Outcome::Pictures(pictures, failures) => self.add(pictures, failures),
+            Outcome::Pictures(pictures, failures) => self.add_pictures(pictures, failures),
+            Outcome::Seen => {}
             Outcome::Opened(path, decoded, stamp) => self.opened(path, *decoded, stamp),
             Outcome::Sample(document) => self.replace(*document),
             Outcome::Recovered(left, decoded) => self.recovered(left, *decoded),
@@ -108,40 +107,6 @@ impl Studio {
             Outcome::Looked(path, on_disk) => self.looked(&path, on_disk),
             Outcome::Discarded(folder) => self.recoverable.retain(|left| left.folder != folder),
             Outcome::Vary(outcome) => self.accept_variation(outcome),
-        }
-    }
-
-    fn add(&mut self, pictures: Vec<Picture>, failures: Vec<String>) {
-        let first = self.document.state().content().next_photo;
-        let many = pictures.len();
-        self.document.begin(if many == 1 {
-            "Add Picture"
-        } else {
-            "Add Pictures"
-        });
-        for Picture {
-            name,
-            bytes,
-            size: (width, height),
-        } in pictures
-        {
-            let edit = Edit::AddPhoto {
-                name,
-                bytes,
-                width,
-                height,
-            };
-            if let Err(error) = self.document.apply("Add Pictures", edit) {
-                self.notify(Severity::Error, error.to_string());
-            }
-        }
-        if self.document.commit() {
-            self.document.view_mut().photo = Some(PhotoId(first));
-            self.effects.push(Effect::ZoomToFit);
-            self.changed();
-        }
-        for failure in failures {
-            self.notify(Severity::Error, failure);
         }
     }
 
@@ -247,76 +212,6 @@ impl Studio {
             }
             error => self.notify(Severity::Error, error.to_string()),
         }
-    }
-
-    /// Asks for the pixels of `photo` and the thumbnails of all, where they are not there.
-    pub(super) fn decode_what_is_shown(&mut self) {
-        let photos: Vec<_> = self.document.state().content().photos.iter().collect();
-        let shown = self.shown();
-        let mut wanted = Vec::new();
-        for (&id, photo) in photos {
-            let Some(bytes) = self.document.photo_bytes(id) else {
-                continue;
-            };
-            let is_shown = shown == Some(id) && self.photos.ask(photo.digest);
-            let has_thumbnail = self.photos.thumbnail(photo.digest).is_some();
-            if is_shown || !has_thumbnail {
-                wanted.push((id, photo.clone(), Arc::clone(bytes), is_shown));
-            }
-        }
-        for (id, photo, bytes, is_shown) in wanted {
-            let digest = photo.digest;
-            if is_shown {
-                let title = format!("Decoding {}", photo.name);
-                let (bytes, name) = (Arc::clone(&bytes), photo.name.clone());
-                let work = move |context: &Context<Outcome>| {
-                    let image = decoded(&bytes, &name).map_err(JobError::failed)?;
-                    let image = Arc::new(image);
-                    context.publish(Outcome::Whole(digest, Arc::clone(&image)));
-                    let pyramid = Pyramid::of(&image, THUMBNAIL_PX, context.cancel())?;
-                    Ok(Outcome::Reduced(digest, Arc::new(pyramid)))
-                };
-                let topic = topic("whole photo", 0);
-                self.jobs
-                    .submit(Request::new(title, topic, Priority::Interactive, work));
-            }
-            if self.photos.thumbnail(digest).is_none() {
-                self.photos.put_thumbnail(digest, Thumbnail::Pending);
-                let title = format!("Thumbnail of {}", photo.name);
-                let work = move |_: &Context<Outcome>| {
-                    let thumbnail = match decoded(&bytes, &photo.name) {
-                        Ok(image) => Thumbnail::Ready(Arc::new(thumbnail(&image))),
-                        Err(reason) => Thumbnail::Failed(reason),
-                    };
-                    Ok(Outcome::Thumb(digest, thumbnail))
-                };
-                let topic = topic("thumbnail", u64::from(id.0));
-                self.jobs
-                    .submit(Request::new(title, topic, Priority::Preview, work));
-            }
-        }
-    }
-
-    /// Reads pictures and adds them to the project.
-    pub(super) fn read_pictures(&mut self, paths: Vec<PathBuf>) {
-        let work = move |context: &Context<Outcome>| {
-            let (mut pictures, mut failures) = (Vec::new(), Vec::new());
-            for path in &paths {
-                context.check()?;
-                match picture(path) {
-                    Ok(picture) => pictures.push(picture),
-                    Err(failure) => failures.push(failure),
-                }
-            }
-            Ok(Outcome::Pictures(pictures, failures))
-        };
-        let topic = topic("add pictures", self.next_notice);
-        self.jobs.submit(Request::new(
-            "Adding pictures",
-            topic,
-            Priority::Interactive,
-            work,
-        ));
     }
 
     /// Reads the project in `path`.
@@ -429,17 +324,9 @@ impl Studio {
         let (recovery, shared) = (self.recovery.clone(), Arc::clone(&self.autosave));
         let file = self.file.path.clone();
         let work = move |context: &Context<Outcome>| {
-            let mut autosave = shared.lock().unwrap_or_else(PoisonError::into_inner);
-            let now = SystemTime::now().duration_since(UNIX_EPOCH);
-            let now = now.map_or(0, |since| since.as_secs());
-            if autosave.is_none() {
-                let session = format!("{now}-{}", std::process::id());
-                *autosave = Some(recovery.begin(&session).map_err(JobError::failed)?);
-            }
-            if let Some(autosave) = autosave.as_mut() {
-                let written = autosave.write(&snapshot, file.as_deref(), now, context.cancel());
-                written.map_err(JobError::failed)?;
-            }
+            let file = file.as_deref();
+            autosaved(&shared, &recovery, &snapshot, file, context.cancel())
+                .map_err(JobError::failed)?;
             if let Some(left) = &replaced {
                 recovery.discard(left).map_err(JobError::failed)?;
                 context.publish(Outcome::Discarded(left.folder.clone()));
@@ -449,6 +336,42 @@ impl Studio {
         let topic = topic("autosave", 0);
         self.jobs
             .submit(Request::new("Autosave", topic, Priority::Preview, work));
+    }
+
+    /// Writes what no file holds to the autosaves, at once: the program is about to end.
+    pub(super) fn rescue(&mut self) {
+        if self.may_not_close() {
+            let (snapshot, file) = (self.document.snapshot(), self.file.path.as_deref());
+            // There is nobody left to tell: the autosave before it stays.
+            let _ = autosaved(
+                &self.autosave,
+                &self.recovery,
+                &snapshot,
+                file,
+                &Cancel::new(),
+            );
+        }
+    }
+}
+
+/// Writes an autosave, the first one of a session into a new folder.
+fn autosaved(
+    shared: &SharedAutosave,
+    recovery: &Recovery,
+    snapshot: &Snapshot,
+    file: Option<&Path>,
+    cancel: &Cancel,
+) -> Result<(), StoreError> {
+    let mut autosave = shared.lock().unwrap_or_else(PoisonError::into_inner);
+    let now = SystemTime::now().duration_since(UNIX_EPOCH);
+    let now = now.map_or(0, |since| since.as_secs());
+    if autosave.is_none() {
+        let session = format!("{now}-{}", std::process::id());
+        *autosave = Some(recovery.begin(&session)?);
+    }
+    match autosave.as_mut() {
+        Some(autosave) => autosave.write(snapshot, file, now, cancel),
+        None => Ok(()),
     }
 }
 
@@ -468,51 +391,13 @@ fn sample(context: &Context<Outcome>) -> Result<Document, JobError> {
     let mut document = Document::new();
     for (sample, mask) in trees? {
         let id = PhotoId(document.state().content().next_photo);
-        let photo = Edit::AddPhoto {
-            name: sample.name().to_owned(),
-            bytes: sample.bundled().into(),
-            width: mask.width(),
-            height: mask.height(),
-        };
-        for edit in [photo, Edit::SetMask(id, mask)] {
+        let size = (mask.width(), mask.height());
+        let photo = NewPhoto::new(sample.name(), sample.bundled().into(), size);
+        for edit in [Edit::AddPhotos(vec![photo]), Edit::SetMask(id, mask)] {
             document.apply("Sample", edit).map_err(JobError::failed)?;
         }
     }
     document.forget_history();
     document.mark_saved(document.snapshot().revision());
     Ok(document)
-}
-
-/// The pixels of a file; `name` stands in messages and tells the format where the bytes do not.
-fn decoded(bytes: &[u8], name: &str) -> Result<Image<Straight>, String> {
-    read_image_from_memory(bytes, Path::new(name), ReadLimits::default())
-        .map_err(|error| error.to_string())
-}
-
-fn picture(path: &Path) -> Result<Picture, String> {
-    let limits = ReadLimits::default();
-    let bytes = crate::base::read_limited(path, limits.file_bytes).map_err(|e| e.to_string())?;
-    let image = decoded(&bytes, &path.to_string_lossy())?;
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    Ok(Picture {
-        name: name.into_owned(),
-        bytes: bytes.into(),
-        size: (image.width(), image.height()),
-    })
-}
-
-fn thumbnail(image: &Image<Straight>) -> Image<Straight> {
-    let (width, height) = (image.width(), image.height());
-    let scale = f64::from(THUMBNAIL_PX) / f64::from(width.max(height));
-    let side = |length: u32| ((f64::from(length) * scale).round() as u32).max(1);
-    if scale >= 1.0 {
-        return image.clone();
-    }
-    let whole = Rect {
-        x: 0,
-        y: 0,
-        width,
-        height,
-    };
-    resized(&image.premultiplied(), whole, side(width), side(height)).straight()
 }

@@ -7,6 +7,7 @@ use super::files::{FileDialogs, Purpose};
 use super::make_dialog::MakeDialog;
 use super::panels::Panels;
 use super::preferences::Preferences;
+use super::run::{Left, Session, Waker};
 use super::studio::{Effect, Next, Question, Severity, Studio, Workspace};
 use super::theme::{self, GAP, TIGHT, dialog, tokens};
 use super::{palette, shortcut_sheet, start, tour};
@@ -15,58 +16,6 @@ use egui::{Context, RichText, Ui, ViewportCommand};
 use std::io::Write as _;
 use std::path::PathBuf;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
-
-/// The studio cannot be shown.
-#[derive(Debug, thiserror::Error)]
-pub enum StartError {
-    /// There is no desktop to show it on, or no way to draw on it.
-    #[error("no window can be opened: {0}")]
-    Window(String),
-    /// A library of the desktop is missing or broken.
-    #[error("the desktop's libraries failed: {0}")]
-    Desktop(String),
-}
-
-/// Opens the studio and returns when it is closed. `files` are opened first.
-///
-/// # Errors
-/// [`StartError`].
-pub fn run(files: Vec<PathBuf>) -> Result<(), StartError> {
-    let folder = own_folder();
-    let recovery = folder.join("recovery");
-    let options = eframe::NativeOptions {
-        persistence_path: Some(folder.join("studio.ron")),
-        viewport: egui::ViewportBuilder::default()
-            .with_app_id("boscage")
-            .with_title("Boscage")
-            .with_inner_size([1440.0, 900.0])
-            .with_min_inner_size([960.0, 600.0]),
-        ..Default::default()
-    };
-    let started = crate::base::without_panics(|| {
-        eframe::run_native(
-            "boscage",
-            options,
-            Box::new(move |creation| Ok(Box::new(Shell::new(creation, recovery, files)))),
-        )
-    });
-    match started {
-        Ok(Ok(())) => Ok(()),
-        Ok(Err(error)) => Err(StartError::Window(error.to_string())),
-        Err(panicked) => Err(StartError::Desktop(panicked.message)),
-    }
-}
-
-/// Where preferences and autosaves lie: `BOSCAGE_CONFIG`, or the place that the desktop gives.
-fn own_folder() -> PathBuf {
-    if let Some(folder) = std::env::var_os("BOSCAGE_CONFIG") {
-        return folder.into();
-    }
-    directories::ProjectDirs::from("", "", "boscage").map_or_else(
-        || std::env::temp_dir().join("boscage"),
-        |folders| folders.data_local_dir().to_owned(),
-    )
-}
 
 /// The window and the studio in it.
 pub struct Shell {
@@ -86,6 +35,9 @@ pub struct Shell {
     frame_begun: Instant,
     /// What draws, for *About*.
     adapter: String,
+    waker: Waker,
+    session: Session,
+    has_lost_card: bool,
 }
 
 /// The variable that makes the studio tell of its frames.
@@ -101,19 +53,24 @@ impl Shell {
         recovery_folder: PathBuf,
         files: Vec<PathBuf>,
     ) -> Self {
-        let ctx = &creation.egui_ctx;
-        theme::install(ctx);
+        Self::in_session(creation, recovery_folder, files, Session::default())
+    }
+
+    /// As [`Shell::new`], but with the studio of the window before, if that was lost.
+    pub fn in_session(
+        creation: &eframe::CreationContext<'_>,
+        recovery_folder: PathBuf,
+        files: Vec<PathBuf>,
+        session: Session,
+    ) -> Self {
+        theme::install(&creation.egui_ctx);
         let kept = creation.storage;
-        let preferences: Preferences = kept
-            .and_then(|kept| eframe::get_value(kept, PREFERENCES))
-            .unwrap_or_default();
-        // Heard unless the command line named one.
-        Runtime::choose(preferences.onnx_runtime.as_deref());
         let layouts: Option<Layouts> = kept.and_then(|kept| eframe::get_value(kept, LAYOUTS));
-        let waker = ctx.clone();
-        let mut studio = Studio::new(preferences, recovery_folder, move || {
-            waker.request_repaint()
-        });
+        let (mut studio, waker) = match session.take() {
+            Some(left) => (left.studio, left.waker),
+            None => begun(kept, recovery_folder),
+        };
+        waker.belongs_to(&creation.egui_ctx);
         if !files.is_empty() {
             studio.act(Action::Open(files));
         }
@@ -136,6 +93,9 @@ impl Shell {
             traces_frames: std::env::var_os(TRACE).is_some(),
             frame_begun: Instant::now(),
             adapter,
+            waker,
+            session,
+            has_lost_card: false,
         }
     }
 
@@ -152,6 +112,20 @@ impl Shell {
     /// Whether the 3D view shows the finished crown as finely as it will.
     pub fn view_is_final(&self) -> bool {
         self.studio.crown_is_final() && self.panels.view_is_final()
+    }
+
+    /// Whether what the window is drawn with was lost: it closes, and leaves its studio to another.
+    pub fn has_lost_card(&self) -> bool {
+        self.has_lost_card
+    }
+
+    /// Closes the window once its card is lost.
+    fn watch_card(&mut self, ctx: &Context) {
+        if !self.has_lost_card && self.panels.has_lost_card() {
+            self.has_lost_card = true;
+            self.studio.act(Action::EndGesture);
+            ctx.send_viewport_cmd(ViewportCommand::Close);
+        }
     }
 
     fn perform(&mut self, effect: Effect, ctx: &Context) {
@@ -223,7 +197,8 @@ impl eframe::App for Shell {
     fn logic(&mut self, ctx: &Context, _frame: &mut eframe::Frame) {
         self.frame_begun = Instant::now();
         self.studio.take_outcomes();
-        if ctx.input(|input| input.viewport().close_requested()) && self.studio.may_not_close() {
+        let may_close = self.has_lost_card || !self.studio.may_not_close();
+        if ctx.input(|input| input.viewport().close_requested()) && !may_close {
             ctx.send_viewport_cmd(ViewportCommand::CancelClose);
             self.studio.act(Action::Do(Command::Quit));
         }
@@ -240,8 +215,13 @@ impl eframe::App for Shell {
         }
     }
 
-    fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
+    fn ui(&mut self, ui: &mut Ui, frame: &mut eframe::Frame) {
         let ctx = ui.ctx().clone();
+        #[cfg(debug_assertions)]
+        lose_card(&ctx, frame);
+        #[cfg(not(debug_assertions))]
+        let _ = frame;
+        self.watch_card(&ctx);
         let theme = if self.studio.preferences.is_dark {
             egui::Theme::Dark
         } else {
@@ -278,6 +258,48 @@ impl eframe::App for Shell {
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
         eframe::set_value(storage, PREFERENCES, &self.studio.preferences);
         eframe::set_value(storage, LAYOUTS, &self.layouts);
+    }
+}
+
+impl Drop for Shell {
+    /// Leaves the studio behind where it shall go on, or where the program failed.
+    fn drop(&mut self) {
+        if self.has_lost_card || std::thread::panicking() {
+            let nothing = Studio::new(Preferences::default(), PathBuf::new(), || {});
+            self.session.leave(Left {
+                studio: std::mem::replace(&mut self.studio, nothing),
+                waker: self.waker.clone(),
+                has_lost_card: self.has_lost_card,
+            });
+        }
+    }
+}
+
+/// A new studio with the preferences that were kept, and what wakes its window.
+fn begun(kept: Option<&dyn eframe::Storage>, recovery_folder: PathBuf) -> (Studio, Waker) {
+    let preferences: Preferences = kept
+        .and_then(|kept| eframe::get_value(kept, PREFERENCES))
+        .unwrap_or_default();
+    // Heard unless the command line named one.
+    Runtime::choose(preferences.onnx_runtime.as_deref());
+    let waker = Waker::default();
+    let wakes = waker.clone();
+    let studio = Studio::new(preferences, recovery_folder, move || wakes.wake());
+    (studio, waker)
+}
+
+/// Loses the card in the frame that `BOSCAGE_LOSE_CARD` says, for trying out what becomes of the window.
+#[cfg(debug_assertions)]
+fn lose_card(ctx: &Context, frame: &eframe::Frame) {
+    let when = std::env::var("BOSCAGE_LOSE_CARD").ok();
+    let Some(when) = when.and_then(|text| text.parse::<u64>().ok()) else {
+        return;
+    };
+    ctx.request_repaint();
+    if let Some(state) = frame.wgpu_render_state()
+        && ctx.cumulative_frame_nr() == when
+    {
+        state.device.destroy();
     }
 }
 

@@ -28,7 +28,7 @@ pub(super) struct Prepared {
     pub(super) library: Arc<Library<'static>>,
     pub(super) drafts: Arc<Drafts>,
     pub(super) palettes: Arc<Mutex<BTreeMap<usize, Arc<Palette>>>>,
-    /// The photograph of each exemplar.
+    /// The photograph of each exemplar, in the order of their numbers.
     pub(super) photos: Vec<PhotoId>,
     /// Each exemplar as it was normalised, small.
     pub(super) small: Vec<Arc<Image<Straight>>>,
@@ -39,7 +39,7 @@ pub(super) struct Prepared {
 impl Prepared {
     /// The exemplar of a photograph.
     pub(super) fn index(&self, photo: PhotoId) -> Option<usize> {
-        self.photos.iter().position(|known| *known == photo)
+        self.photos.binary_search(&photo).ok()
     }
 
     /// The exemplar's vectors and its picture.

@@ -1,11 +1,10 @@
 //! Files: read behind a limit, written so that a reader sees the old content or the new, whole.
 
 use super::asking_for_memory;
-use std::ffi::OsStr;
+use super::part::{Part, may_name};
 use std::fs::{self, File};
-use std::io::{Read as _, Write as _};
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 /// A file could not be read or written.
 #[derive(Debug, thiserror::Error)]
@@ -86,7 +85,7 @@ pub fn changed_at(path: &Path) -> Option<std::time::SystemTime> {
 /// # Errors
 /// [`FileError::Write`].
 pub fn write_atomic(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
-    Part::written(path, bytes)?.persist()
+    Part::written(path, bytes)?.persist(&may_name())
 }
 
 /// Makes the names in the folder of `path` survive a loss of power: until then a file that was
@@ -148,7 +147,10 @@ pub fn write_all_atomic<E: From<FileError>>(
         }
         return Err(error);
     }
-    Ok(parts.into_iter().try_for_each(Part::persist)?)
+    let named = may_name();
+    Ok(parts
+        .into_iter()
+        .try_for_each(|part| part.persist(&named))?)
 }
 
 /// The folders of `paths` that do not exist, the innermost first.
@@ -163,81 +165,7 @@ fn missing_folders<'a>(paths: impl Iterator<Item = &'a Path>) -> Vec<PathBuf> {
     missing
 }
 
-/// First and last letters of the hidden names that files have while they are written.
-const PART_BEGIN: &str = ".boscage-";
-const PART_END: &str = ".part";
-
-/// A part that was touched so recently may be somebody's who has not locked it yet.
-const PART_IS_FRESH: Duration = Duration::from_secs(10);
-
-/// Removes what processes that were killed left of files they were writing, in `folder` and, to
-/// `depth` levels, the folders in it. What cannot be read or removed stays.
-///
-/// A living process, on this machine or through a share that knows locks, keeps its files: it has
-/// them locked.
-pub fn remove_left_parts(folder: &Path, depth: usize) {
-    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-        let Ok(kind) = entry.file_type() else {
-            continue;
-        };
-        if kind.is_dir() && depth > 0 {
-            remove_left_parts(&entry.path(), depth - 1);
-        } else if kind.is_file() && is_part(&entry.file_name()) && is_left(&entry.path()) {
-            let _ = fs::remove_file(entry.path());
-        }
-    }
-}
-
-fn is_part(name: &OsStr) -> bool {
-    let name = name.as_encoded_bytes();
-    name.starts_with(PART_BEGIN.as_bytes()) && name.ends_with(PART_END.as_bytes())
-}
-
-/// Whether nobody writes the part `path` any more.
-fn is_left(path: &Path) -> bool {
-    let age = changed_at(path).and_then(|then| then.elapsed().ok());
-    age.is_some_and(|age| age > PART_IS_FRESH)
-        && File::open(path).is_ok_and(|file| file.try_lock().is_ok())
-}
-
-/// The bytes of a file on disk under a hidden name, which goes when it is dropped.
-struct Part<'a> {
-    path: &'a Path,
-    file: tempfile::NamedTempFile,
-}
-
-impl<'a> Part<'a> {
-    fn written(path: &'a Path, bytes: &[u8]) -> Result<Self, FileError> {
-        let failed = |reason| unwritten(path, reason);
-        let folder = folder_of(path);
-        fs::create_dir_all(folder).map_err(failed)?;
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(PART_BEGIN).suffix(PART_END);
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::PermissionsExt as _;
-            // What a plain `File::create` would ask for; the umask takes its share.
-            builder.permissions(fs::Permissions::from_mode(0o666));
-        }
-        let mut file = builder.tempfile_in(folder).map_err(failed)?;
-        // Tells those who clear up that somebody is at work; where there are no locks its age does.
-        #[cfg(unix)]
-        let _ = file.as_file().try_lock();
-        file.write_all(bytes).map_err(failed)?;
-        file.as_file().sync_data().map_err(failed)?;
-        Ok(Self { path, file })
-    }
-
-    /// Takes the name.
-    fn persist(self) -> Result<(), FileError> {
-        let Self { path, file } = self;
-        let persisted = file.persist(path);
-        persisted.map_err(|error| unwritten(path, error.error))?;
-        Ok(())
-    }
-}
-
-fn unwritten(path: &Path, reason: std::io::Error) -> FileError {
+pub(super) fn unwritten(path: &Path, reason: std::io::Error) -> FileError {
     FileError::Write {
         path: path.to_owned(),
         reason: of_system(reason),
@@ -291,39 +219,6 @@ mod tests {
         fs::write(path.join("keep"), b"").unwrap();
         assert!(write_atomic(&path, b"x").is_err());
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
-    }
-
-    #[test]
-    #[cfg(unix)]
-    fn what_killed_processes_left_goes_and_what_is_being_written_stays() {
-        let folder = tempfile::tempdir().unwrap();
-        let below = folder.path().join("textures");
-        let target = below.join("tree.png");
-        let writing = Part::written(&target, b"half").unwrap();
-        let old = std::time::SystemTime::now() - 2 * PART_IS_FRESH;
-        writing.file.as_file().set_modified(old).unwrap();
-        let file = |name: &str, is_old: bool| {
-            let path = below.join(name);
-            let file = File::create(&path).unwrap();
-            if is_old {
-                file.set_modified(old).unwrap();
-            }
-            path
-        };
-        let left = file(".boscage-abc.part", true);
-        let kept = [
-            file(".boscage-new.part", false),
-            file("boscage-abc.part", true),
-            file(".boscage-abc", true),
-            writing.file.path().to_owned(),
-        ];
-        remove_left_parts(folder.path(), 0);
-        assert!(left.exists(), "too deep");
-        remove_left_parts(folder.path(), 1);
-        assert!(!left.exists());
-        assert!(kept.iter().all(|path| path.exists()));
-        writing.persist().unwrap();
-        assert_eq!(read_limited(&target, 9).unwrap(), b"half");
     }
 
     #[test]

@@ -9,19 +9,20 @@ mod hash;
 mod memory;
 mod panics;
 mod parallel;
+mod part;
 mod progress;
 mod random;
 mod text;
 
 pub use cancel::{Cancel, Cancelled};
 pub use file::{
-    FileError, changed_at, folder_of, read_limited, remove_left_parts, sync_names,
-    write_all_atomic, write_atomic,
+    FileError, changed_at, folder_of, read_limited, sync_names, write_all_atomic, write_atomic,
 };
 pub use hash::{Digest, Hasher, NoDigest};
 pub use memory::{EndingAllocator, asking_for_memory};
 pub use panics::{Panicked, without_panics};
 pub use parallel::{Kernel, VectorLevel, limit_vector_level, with_level_of_cpu, with_threads};
+pub use part::{end_writing, remove_left_parts};
 pub use progress::{Progress, Reporter, Stage, Update};
 pub use random::{Random, Seed};
 pub use text::{brief_line, one_line};

@@ -39,13 +39,18 @@ impl Failure {
         }
     }
 
-    /// 2, 3 or 1.
+    /// What the process ends with.
     pub(crate) fn exit_code(&self) -> ExitCode {
-        ExitCode::from(match self {
+        ExitCode::from(self.status())
+    }
+
+    /// 2, 3 or 1.
+    pub(crate) fn status(&self) -> u8 {
+        match self {
             Self::BadInput(_) => 2,
             Self::Cancelled => 3,
             Self::Environment(_) => 1,
-        })
+        }
     }
 }
 

@@ -50,7 +50,7 @@ mod warp;
 
 use crate::app;
 use crate::base::{
-    Cancel, Progress, folder_of, limit_vector_level, remove_left_parts, with_threads,
+    Cancel, Progress, end_writing, folder_of, limit_vector_level, remove_left_parts, with_threads,
 };
 use crate::batch::run::Run;
 use crate::batch::{failure, input, items, output, records};
@@ -64,6 +64,9 @@ use session::Session;
 use std::io::IsTerminal as _;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 /// New trees from a few tree pictures.
 #[derive(Debug, Parser)]
@@ -183,11 +186,16 @@ fn run_job(options: &CommonOptions, job: &dyn Job) -> Result<(), Failure> {
     }
     Runtime::choose(options.onnx_runtime().as_deref());
     let cancel = Cancel::new();
-    let raised = cancel.clone();
-    ctrlc::set_handler(move || raised.cancel())
-        .map_err(|error| Failure::Environment(format!("signals cannot be handled: {error}")))?;
     let style = options.progress.resolved(std::io::stderr().is_terminal());
     let reporter = reporter::new(style, job.stages());
+    let ending = Ending::default();
+    let (raised, told, ends) = (cancel.clone(), Arc::clone(&reporter), ending.clone());
+    ctrlc::set_handler(move || {
+        raised.cancel();
+        std::thread::sleep(GRACE);
+        end_now(&ends, told.as_ref());
+    })
+    .map_err(|error| Failure::Environment(format!("signals cannot be handled: {error}")))?;
     let clock = StageClock::new(reporter.as_ref());
     let session = Session {
         options,
@@ -205,11 +213,40 @@ fn run_job(options: &CommonOptions, job: &dyn Job) -> Result<(), Failure> {
     let outcome = with_threads(options.threads.map(usize::from), || job.run(&session))
         .map_err(|error| Failure::Environment(format!("threads cannot be started: {error}")))
         .and_then(|outcome| outcome);
+    ending.claim();
     if let Some(note) = Runtime::started().and_then(Runtime::note) {
         session.progress.warn(note);
     }
     reporter.finish(outcome.as_ref().err());
     outcome
+}
+
+/// How long a command that was asked to stop may take until it is ended where it stands: some of what
+/// it calls (decoders, encoders, drivers) knows no cancelling.
+const GRACE: Duration = Duration::from_millis(60);
+
+/// Who tells how the command ended: its own thread or that of the signals, whichever comes first.
+#[derive(Clone, Default)]
+struct Ending(Arc<AtomicBool>);
+
+impl Ending {
+    /// Takes it for the calling thread, or does not return: the other one ends the process.
+    fn claim(&self) {
+        if self.0.swap(true, Ordering::AcqRel) {
+            loop {
+                std::thread::park();
+            }
+        }
+    }
+}
+
+/// Ends a command that did not stop by itself, with nothing half-written.
+fn end_now(ending: &Ending, reporter: &dyn reporter::FinishingReporter) {
+    ending.claim();
+    end_writing();
+    reporter.finish(Some(&Failure::Cancelled));
+    reporter::print_failure(&Failure::Cancelled);
+    std::process::exit(Failure::Cancelled.status().into());
 }
 
 /// Removes the hidden halves of files that an earlier run left where this one goes on, if that was

@@ -10,21 +10,21 @@ use crate::base::{Reporter, Update, brief_line};
 use indicatif::{ProgressBar, ProgressStyle as BarStyle};
 use serde_json::json;
 use std::io::Write as _;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// A reporter that also hears how the command ended.
-pub(super) trait FinishingReporter: Reporter {
+pub(super) trait FinishingReporter: Reporter + Send {
     /// The command is over, with `failure` or without; called once.
     fn finish(&self, failure: Option<&Failure>);
 }
 
 /// The reporter for `style`, which is no longer `Auto`.
-pub(super) fn new(style: ProgressStyle, stages: Stages) -> Box<dyn FinishingReporter> {
+pub(super) fn new(style: ProgressStyle, stages: Stages) -> Arc<dyn FinishingReporter> {
     match style {
-        ProgressStyle::Bar => Box::new(Bar::new()),
-        ProgressStyle::Json => Box::new(JsonLines::default()),
-        ProgressStyle::Openjd => Box::new(OpenJd::new(stages)),
-        ProgressStyle::Auto | ProgressStyle::None => Box::new(WarningsOnly),
+        ProgressStyle::Bar => Arc::new(Bar::new()),
+        ProgressStyle::Json => Arc::new(JsonLines::default()),
+        ProgressStyle::Openjd => Arc::new(OpenJd::new(stages)),
+        ProgressStyle::Auto | ProgressStyle::None => Arc::new(WarningsOnly),
     }
 }
 

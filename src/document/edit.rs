@@ -12,17 +12,9 @@ use std::sync::Arc;
 pub enum Edit {
     /// Gives the project another title.
     SetTitle(String),
-    /// Adds a photograph; its number is the state's `next_photo` before.
-    AddPhoto {
-        /// Name for people.
-        name: String,
-        /// The bytes of the file, whatever format they are in.
-        bytes: Arc<[u8]>,
-        /// Width when upright, pixels.
-        width: u32,
-        /// Height when upright, pixels.
-        height: u32,
-    },
+    /// Adds photographs: all, or none when one is refused. The number of the first is the state's
+    /// `next_photo` before.
+    AddPhotos(Vec<NewPhoto>),
     /// Takes a photograph away, with its mask, its crown and its part in variations.
     RemovePhoto(PhotoId),
     /// Gives a photograph another name.
@@ -36,6 +28,27 @@ pub enum Edit {
     SetVariation(Box<VariationSettings>),
     /// Sets the pins of a photograph, or leaves them to the segmenter again.
     SetPins(PhotoId, Option<HandPins>),
+}
+
+/// A photograph that is to be added.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NewPhoto {
+    photo: Photo,
+    bytes: Arc<[u8]>,
+}
+
+impl NewPhoto {
+    /// The file `bytes`, whatever format they are in, called `name` for people; `width` and `height`
+    /// are those of the upright picture, pixels.
+    pub fn new(name: impl Into<String>, bytes: Arc<[u8]>, (width, height): (u32, u32)) -> Self {
+        let photo = Photo {
+            name: name.into(),
+            digest: Digest::of(&bytes),
+            width,
+            height,
+        };
+        Self { photo, bytes }
+    }
 }
 
 /// An edit was refused; the project is unchanged.
@@ -64,27 +77,17 @@ pub enum EditError {
 /// The bytes of a photograph's file and their digest.
 type Blob = (Digest, Arc<[u8]>);
 
-/// `state` after `edit`, and the bytes of a photograph that came with it.
-pub(super) fn edited(state: &State, edit: Edit) -> Result<(State, Option<Blob>), EditError> {
+/// `state` after `edit`, and the bytes of photographs that came with it.
+pub(super) fn edited(state: &State, edit: Edit) -> Result<(State, Vec<Blob>), EditError> {
     let mut new = state.clone();
-    let mut blob = None;
+    let mut blobs = Vec::new();
     match edit {
         Edit::SetTitle(title) => content(&mut new).title = named(title)?,
-        Edit::AddPhoto {
-            name,
-            bytes,
-            width,
-            height,
-        } => {
-            let digest = Digest::of(&bytes);
-            let photo = Photo {
-                name: named(name)?,
-                digest,
-                width,
-                height,
-            };
-            add(&mut new, photo)?;
-            blob = Some((digest, bytes));
+        Edit::AddPhotos(photos) => {
+            for NewPhoto { photo, bytes } in photos {
+                blobs.push((photo.digest, bytes));
+                add(&mut new, photo)?;
+            }
         }
         Edit::RemovePhoto(id) => {
             known(state, id)?;
@@ -114,7 +117,7 @@ pub(super) fn edited(state: &State, edit: Edit) -> Result<(State, Option<Blob>),
             }
             new.masks.insert(id, mask);
             // The content is as it was: 60 strokes a second need not look at it.
-            return Ok((new, None));
+            return Ok((new, blobs));
         }
         Edit::SetCrown(id, settings) => {
             known(state, id)?;
@@ -132,7 +135,7 @@ pub(super) fn edited(state: &State, edit: Edit) -> Result<(State, Option<Blob>),
     }
     match new.content.complaint() {
         Some(complaint) => Err(EditError::Invalid(complaint)),
-        None => Ok((new, blob)),
+        None => Ok((new, blobs)),
     }
 }
 
@@ -153,6 +156,10 @@ fn named(name: String) -> Result<String, EditError> {
 }
 
 fn add(state: &mut State, photo: Photo) -> Result<(), EditError> {
+    let photo = Photo {
+        name: named(photo.name)?,
+        ..photo
+    };
     if photo.width == 0 || photo.height == 0 {
         return Err(EditError::Invalid("a photograph without pixels".to_owned()));
     }

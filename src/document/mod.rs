@@ -25,7 +25,7 @@ mod settings;
 pub mod store;
 
 pub use content::{Content, Photo, PhotoId, State};
-pub use edit::{Edit, EditError};
+pub use edit::{Edit, EditError, NewPhoto};
 pub use encode::{Decoded, decode, encode, encode_without_photos};
 pub use format::{FormatError, VERSION};
 pub use history::Changed;

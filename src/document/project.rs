@@ -209,7 +209,7 @@ impl Document {
     /// # Errors
     /// [`EditError`]; nothing has changed.
     pub fn apply(&mut self, label: &str, edit: Edit) -> Result<bool, EditError> {
-        let (new, blob) = edited(&self.state, edit)?;
+        let (new, blobs) = edited(&self.state, edit)?;
         let alone = self.open.is_none();
         if alone {
             self.begin(label);
@@ -217,7 +217,7 @@ impl Document {
         let is_different = new != self.state;
         if is_different {
             self.state = new;
-            self.blobs.extend(blob);
+            self.blobs.extend(blobs);
         }
         if alone {
             self.commit();

@@ -3,28 +3,41 @@
 use super::super::act_vary::VaryAction;
 use super::super::action::Action;
 use super::super::commands::Command;
-use super::super::photos::Thumbnail;
+use super::super::dock::Pane;
 use super::super::studio::Studio;
 use super::super::theme::{GAP, TIGHT, tokens};
 use super::super::vary::Prepared;
+use super::grid;
 use super::icon::{self, Icon};
 use super::pin_editor::PinEditor;
-use super::textures::Textures;
+use super::search::Search;
+use super::thumbnails::Thumbnails;
 use crate::base::{Digest, Hasher};
 use crate::document::{Photo, PhotoId};
 use crate::raster::{Image, Straight};
 use crate::segment::{Provenance, Source};
 use crate::variation::Shape;
 use egui::{Align2, Color32, FontId, Rect, Sense, Ui, pos2, vec2};
+use std::collections::BTreeSet;
 
 /// Smallest width of a stamp, points.
 const STAMP: f32 = 92.0;
 
 /// The panel.
-#[derive(Default)]
 pub(super) struct Exemplars {
-    textures: Textures,
+    thumbnails: Thumbnails,
+    search: Search,
     pins: PinEditor,
+}
+
+impl Default for Exemplars {
+    fn default() -> Self {
+        Self {
+            thumbnails: Thumbnails::new(Pane::Exemplars),
+            search: Search::default(),
+            pins: PinEditor::default(),
+        }
+    }
 }
 
 impl Exemplars {
@@ -39,28 +52,26 @@ impl Exemplars {
                 }
                 ui.weak(format!("{} of {}", mix.len(), content.photos.len()))
                     .on_hover_text("Exemplars that trees are drawn from.");
+                self.search.field(ui, studio);
             });
             ui.add_space(TIGHT);
-            let area = egui::ScrollArea::vertical().auto_shrink(false);
-            area.show(ui, |ui| {
-                let room = ui.available_width();
+            let found = self.search.found(studio).to_vec();
+            let layout = |room: f32| {
                 let columns = (((room + GAP) / (STAMP + GAP)) as usize).max(1);
                 let side = (room + GAP) / columns as f32 - GAP;
-                let photos: Vec<(&PhotoId, &Photo)> = content.photos.iter().collect();
-                ui.spacing_mut().item_spacing = vec2(GAP, GAP);
-                for row in photos.chunks(columns) {
-                    ui.horizontal(|ui| {
-                        for (id, photo) in row {
-                            let is_on = mix.iter().any(|part| part.photo == **id);
-                            self.stamp(ui, studio, (**id, photo), (is_on, side), actions);
-                        }
-                    });
+                (columns, vec2(side, side + 34.0))
+            };
+            let mixed: BTreeSet<PhotoId> = mix.iter().map(|part| part.photo).collect();
+            grid::show(ui, found.len(), layout, |ui, index, size| {
+                if let Some((&id, photo)) = content.photos.get_key_value(&found[index]) {
+                    let look = (mixed.contains(&id), size.x);
+                    self.stamp(ui, studio, (id, photo), look, actions);
                 }
             });
         });
         self.pins
-            .show(ui.ctx(), studio, &mut self.textures, actions);
-        self.textures.sweep(ui);
+            .show(ui.ctx(), studio, self.thumbnails.textures(), actions);
+        self.thumbnails.end_frame(ui, actions);
     }
 
     fn stamp(
@@ -102,7 +113,10 @@ impl Exemplars {
                     let key = Hasher::new("exemplar").with(entry.digest.bytes()).finish();
                     self.prepared(ui, (key, small, &entry.shape), place, is_on);
                 }
-                None => self.thumbnail(ui, studio, photo, place),
+                None => {
+                    let faint = Color32::from_white_alpha(90);
+                    self.thumbnails.draw(ui, studio, (id, photo), place, faint);
+                }
             }
             if can {
                 tick(ui, rect, is_on);
@@ -148,7 +162,7 @@ impl Exemplars {
         place: Rect,
         is_on: bool,
     ) {
-        let texture = self.textures.of(ui.ctx(), key, small);
+        let texture = self.thumbnails.textures().of(ui.ctx(), key, small);
         let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
         let tint = Color32::from_white_alpha(if is_on { 255 } else { 90 });
         ui.painter().image(texture.id(), place, uv, tint);
@@ -162,18 +176,6 @@ impl Exemplars {
             let at = place.min + vec2(pin.x as f32, pin.y as f32) * scale;
             ui.painter().circle_filled(at, 3.0, tokens(ui).sunken);
             ui.painter().circle_filled(at, 2.0, tokens(ui).accent);
-        }
-    }
-
-    fn thumbnail(&mut self, ui: &Ui, studio: &Studio, photo: &Photo, place: Rect) {
-        if let Some(Thumbnail::Ready(image)) = studio.photos.thumbnail(photo.digest) {
-            let texture = self.textures.of(ui.ctx(), photo.digest, image);
-            let size = texture.size_vec2();
-            let scale = (place.width() / size.x).min(place.height() / size.y);
-            let rect = Rect::from_center_size(place.center(), size * scale);
-            let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-            let tint = Color32::from_white_alpha(90);
-            ui.painter().image(texture.id(), rect, uv, tint);
         }
     }
 }

@@ -8,6 +8,7 @@ mod field;
 mod gallery;
 mod gallery_large;
 mod gallery_tile;
+mod grid;
 mod icon;
 mod jobs;
 mod mix;
@@ -16,7 +17,9 @@ mod pictures;
 mod pin_editor;
 mod profile;
 pub(super) mod screen;
+mod search;
 mod textures;
+mod thumbnails;
 mod variation;
 mod view;
 
@@ -76,6 +79,11 @@ impl Panels {
     /// Whether the picture of the crown is all that it will be.
     pub(super) fn view_is_final(&self) -> bool {
         self.view.is_final()
+    }
+
+    /// Whether the graphics card that the window is drawn with was lost.
+    pub(super) fn has_lost_card(&self) -> bool {
+        self.view.has_lost_card()
     }
 
     pub(super) fn perform(&mut self, effect: &Effect) {

@@ -2,46 +2,58 @@
 
 use super::super::action::Action;
 use super::super::commands::Command;
+use super::super::dock::Pane;
 use super::super::photos::Thumbnail;
 use super::super::studio::Studio;
 use super::super::theme::{GAP, THUMBNAIL, TIGHT, tokens};
-use super::color_image;
-use crate::base::Digest;
+use super::grid;
+use super::search::Search;
+use super::thumbnails::Thumbnails;
 use crate::document::{Photo, PhotoId};
-use egui::{Align2, FontId, Sense, TextureHandle, TextureOptions, Ui, pos2, vec2};
-use std::collections::BTreeMap;
+use egui::{Align2, Color32, FontId, Sense, Ui, Vec2, pos2, vec2};
 
 /// The strip of pictures.
-#[derive(Default)]
 pub(super) struct Pictures {
-    textures: BTreeMap<Digest, TextureHandle>,
+    thumbnails: Thumbnails,
+    search: Search,
+}
+
+impl Default for Pictures {
+    fn default() -> Self {
+        Self {
+            thumbnails: Thumbnails::new(Pane::Pictures),
+            search: Search::default(),
+        }
+    }
 }
 
 impl Pictures {
     pub(super) fn show(&mut self, ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
-        let content = studio.document().state().content();
+        let photos = &studio.document().state().content().photos;
         egui::Frame::NONE.inner_margin(GAP).show(ui, |ui| {
-            if ui
-                .button("Add…")
-                .on_hover_text(Command::AddPhotos.row().help)
-                .clicked()
-            {
-                actions.push(Action::Do(Command::AddPhotos));
-            }
+            ui.horizontal_wrapped(|ui| {
+                let help = Command::AddPhotos.row().help;
+                if ui.button("Add…").on_hover_text(help).clicked() {
+                    actions.push(Action::Do(Command::AddPhotos));
+                }
+                self.search.field(ui, studio);
+                let found = self.search.found(studio).len();
+                if found < photos.len() {
+                    ui.weak(format!("{found} of {}", photos.len()));
+                }
+            });
             ui.add_space(TIGHT);
-            egui::ScrollArea::vertical()
-                .auto_shrink(false)
-                .show(ui, |ui| {
-                    ui.horizontal_wrapped(|ui| {
-                        ui.spacing_mut().item_spacing = vec2(GAP, GAP);
-                        for (&id, photo) in &content.photos {
-                            self.stamp(ui, studio, (id, photo), actions);
-                        }
-                    });
-                });
+            let size = vec2(THUMBNAIL + 2.0 * TIGHT, THUMBNAIL + 22.0);
+            let columns = |room: f32| ((room + GAP) / (size.x + GAP)) as usize;
+            let found = self.search.found(studio).to_vec();
+            let layout = |room: f32| (columns(room), size);
+            grid::show(ui, found.len(), layout, |ui, index, _| {
+                if let Some((&id, photo)) = photos.get_key_value(&found[index]) {
+                    self.stamp(ui, studio, (id, photo), size, actions);
+                }
+            });
         });
-        self.textures
-            .retain(|digest, _| content.photos.values().any(|photo| photo.digest == *digest));
+        self.thumbnails.end_frame(ui, actions);
     }
 
     fn stamp(
@@ -49,9 +61,9 @@ impl Pictures {
         ui: &mut Ui,
         studio: &Studio,
         (id, photo): (PhotoId, &Photo),
+        size: Vec2,
         actions: &mut Vec<Action>,
     ) {
-        let size = vec2(THUMBNAIL + 2.0 * TIGHT, THUMBNAIL + 22.0);
         let (rect, response) = ui.allocate_exact_size(size, Sense::click());
         let is_shown = studio.shown() == Some(id);
         response.widget_info(|| {
@@ -77,7 +89,8 @@ impl Pictures {
                 rect.min + vec2(TIGHT, TIGHT),
                 vec2(THUMBNAIL, THUMBNAIL - TIGHT),
             );
-            self.picture(ui, studio, photo, picture);
+            self.thumbnails
+                .draw(ui, studio, (id, photo), picture, Color32::WHITE);
             let color = if is_shown { tokens.strong } else { tokens.text };
             let text = elided(ui, &photo.name, rect.width() - 2.0 * TIGHT);
             let at = pos2(rect.center().x, rect.bottom() - 11.0);
@@ -97,34 +110,6 @@ impl Pictures {
             }
         });
     }
-
-    fn picture(&mut self, ui: &Ui, studio: &Studio, photo: &Photo, place: egui::Rect) {
-        match studio.photos.thumbnail(photo.digest) {
-            Some(Thumbnail::Ready(image)) => {
-                let texture = self.textures.entry(photo.digest).or_insert_with(|| {
-                    ui.ctx()
-                        .load_texture("thumbnail", color_image(image), TextureOptions::LINEAR)
-                });
-                let size = texture.size_vec2();
-                let scale = (place.width() / size.x).min(place.height() / size.y);
-                let rect = egui::Rect::from_center_size(place.center(), size * scale);
-                let uv = egui::Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-                ui.painter()
-                    .image(texture.id(), rect, uv, egui::Color32::WHITE);
-            }
-            Some(Thumbnail::Failed(_)) => {
-                let (font, color) = (FontId::proportional(11.0), tokens(ui).error);
-                ui.painter().text(
-                    place.center(),
-                    Align2::CENTER_CENTER,
-                    "unreadable",
-                    font,
-                    color,
-                );
-            }
-            Some(Thumbnail::Pending) | None => {}
-        }
-    }
 }
 
 /// `text` without its middle where it is wider than `width` points: ends of file names tell.
@@ -133,7 +118,7 @@ pub(super) fn elided(ui: &Ui, text: &str, width: f32) -> String {
         let font = FontId::proportional(11.0);
         ui.fonts_mut(|fonts| {
             fonts
-                .layout_no_wrap(text.to_owned(), font, egui::Color32::WHITE)
+                .layout_no_wrap(text.to_owned(), font, Color32::WHITE)
                 .size()
                 .x
         })

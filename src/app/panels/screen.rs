@@ -16,6 +16,9 @@ const CPU_PX: f32 = 420.0;
 
 /// Shows pictures of scenes.
 pub(super) struct Screen {
+    /// The window's device, as long as there is the window.
+    gpu: Option<Gpu>,
+    /// What draws on it, until that fails.
     card: Option<Card>,
     /// Why there is no card.
     pub(super) trouble: Option<String>,
@@ -58,9 +61,12 @@ impl Look<'_> {
 
 impl Screen {
     pub(super) fn new(state: Option<&RenderState>) -> Self {
-        let card = state.map(|state| {
+        let device = |state: &RenderState| {
             let info = state.adapter.get_info();
-            let gpu = Gpu::new(state.device.clone(), state.queue.clone(), info);
+            Gpu::new(state.device.clone(), state.queue.clone(), info)
+        };
+        let gpu = state.map(device);
+        let card = state.zip(gpu.clone()).map(|(state, gpu)| {
             Viewport::new(gpu).map(|viewport| Card {
                 state: state.clone(),
                 viewport,
@@ -74,10 +80,16 @@ impl Screen {
             None => (None, Some("no graphics card can be used".to_owned())),
         };
         Self {
+            gpu,
             card,
             trouble,
             picture: None,
         }
+    }
+
+    /// Whether the window's device was lost.
+    pub(super) fn has_lost_card(&self) -> bool {
+        self.gpu.as_ref().is_some_and(Gpu::is_lost)
     }
 
     /// The texture to show and whether it is all that was asked for; `None` before there is one.

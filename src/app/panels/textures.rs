@@ -33,6 +33,13 @@ impl Textures {
         &known.0
     }
 
+    /// The texture with this key, if there is one.
+    pub(super) fn known(&mut self, ctx: &Context, key: Digest) -> Option<&TextureHandle> {
+        let (texture, used) = self.known.get_mut(&key)?;
+        *used = ctx.cumulative_frame_nr();
+        Some(texture)
+    }
+
     /// Forgets what was not drawn for a while; to be called once a frame.
     pub(super) fn sweep(&mut self, ui: &Ui) {
         let now = ui.ctx().cumulative_frame_nr();

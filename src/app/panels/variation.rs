@@ -4,11 +4,11 @@
 use super::super::action::{Action, Gesture};
 use super::super::batch_jobs::BATCH;
 use super::super::commands::Command;
-use super::super::photos::Thumbnail;
+use super::super::dock::Pane;
 use super::super::studio::Studio;
 use super::super::theme::{GAP, TIGHT, tokens};
 use super::field::Field;
-use super::textures::Textures;
+use super::thumbnails::Thumbnails;
 use super::{changed_settings, empty};
 use crate::base::Hasher;
 use crate::document::{Coloring, PhotoId, VariationSettings};
@@ -24,9 +24,16 @@ const BINS: usize = 64;
 const WELL: f32 = 52.0;
 
 /// The panel.
-#[derive(Default)]
 pub(super) struct Variation {
-    textures: Textures,
+    thumbnails: Thumbnails,
+}
+
+impl Default for Variation {
+    fn default() -> Self {
+        Self {
+            thumbnails: Thumbnails::new(Pane::Variation),
+        }
+    }
 }
 
 impl Variation {
@@ -59,7 +66,7 @@ impl Variation {
             });
             self.batches(ui, studio, actions);
         });
-        self.textures.sweep(ui);
+        self.thumbnails.end_frame(ui, actions);
     }
 
     /// Batches that are being written, with the tree made last.
@@ -77,7 +84,8 @@ impl Variation {
                     });
                     ui.painter().rect_filled(rect, 5.0, tokens(ui).sunken);
                     let key = Hasher::new("batch").with(bytemuck::cast_slice(tree.pixels()));
-                    let texture = self.textures.of(ui.ctx(), key.finish(), tree);
+                    let textures = self.thumbnails.textures();
+                    let texture = textures.of(ui.ctx(), key.finish(), tree);
                     let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
                     ui.painter()
                         .image(texture.id(), rect.shrink(2.0), uv, Color32::WHITE);
@@ -208,8 +216,10 @@ impl Variation {
             let stroke = egui::Stroke::new(1.0, edge);
             ui.painter()
                 .rect_stroke(rect, 5.0, stroke, egui::StrokeKind::Inside);
-            if let Some(photo) = holds.and_then(|id| photos.get(&id)) {
-                self.picture(ui, studio, photo, rect.shrink(TIGHT));
+            if let Some((&id, photo)) = holds.and_then(|id| photos.get_key_value(&id)) {
+                let place = rect.shrink(TIGHT);
+                self.thumbnails
+                    .draw(ui, studio, (id, photo), place, Color32::WHITE);
             } else {
                 let font = egui::FontId::proportional(11.0);
                 let align = egui::Align2::CENTER_CENTER;
@@ -241,17 +251,6 @@ impl Variation {
             });
         });
         wanted
-    }
-
-    fn picture(&mut self, ui: &Ui, studio: &Studio, photo: &crate::document::Photo, place: Rect) {
-        if let Some(Thumbnail::Ready(image)) = studio.photos.thumbnail(photo.digest) {
-            let texture = self.textures.of(ui.ctx(), photo.digest, image);
-            let size = texture.size_vec2();
-            let scale = (place.width() / size.x).min(place.height() / size.y);
-            let rect = Rect::from_center_size(place.center(), size * scale);
-            let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-            ui.painter().image(texture.id(), rect, uv, Color32::WHITE);
-        }
     }
 }
 

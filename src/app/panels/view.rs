@@ -67,6 +67,11 @@ impl View {
         self.is_final
     }
 
+    /// Whether the graphics card was lost.
+    pub(super) fn has_lost_card(&self) -> bool {
+        self.screen.has_lost_card()
+    }
+
     pub(super) fn show(&mut self, ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
         let Some(shown) = &studio.live.shown else {
             let (heading, text) = match (&studio.live.trouble, studio.live.is_working()) {

@@ -1,7 +1,7 @@
 //! Files: what comes back, what is refused, and that damage is always noticed.
 
 use super::*;
-use crate::document::{CrownSettings, Edit, VERSION};
+use crate::document::{CrownSettings, Edit, NewPhoto, VERSION};
 use crate::raster::Rect;
 use proptest::prelude::*;
 
@@ -10,13 +10,8 @@ fn project() -> Document {
     let mut document = Document::new();
     for (name, side) in [("oak.jpg", 200), ("ash.png", 90)] {
         let bytes = name.repeat(50).into_bytes().into();
-        let name = name.to_owned();
-        let edit = Edit::AddPhoto {
-            name,
-            bytes,
-            width: side,
-            height: 150,
-        };
+        let photo = NewPhoto::new(name, bytes, (side, 150));
+        let edit = Edit::AddPhotos(vec![photo]);
         document.apply("Add photo", edit).unwrap();
     }
     for x in [10, 60] {

@@ -1,18 +1,14 @@
 //! Undo, redo and transactions by example and by random sequences of edits.
 
 use super::*;
-use crate::document::{CrownSettings, ExemplarWeight, Tangent, VariationSettings};
+use crate::document::{CrownSettings, ExemplarWeight, NewPhoto, Tangent, VariationSettings};
 use crate::paint::{BrushSettings, Paint, Sample, Stroke, TiledMask};
 use crate::raster::Rect;
 use proptest::prelude::*;
 
 fn photo(name: &str, width: u32, height: u32) -> Edit {
-    Edit::AddPhoto {
-        name: name.to_owned(),
-        bytes: format!("the bytes of {name}").into_bytes().into(),
-        width,
-        height,
-    }
+    let bytes = format!("the bytes of {name}").into_bytes().into();
+    Edit::AddPhotos(vec![NewPhoto::new(name, bytes, (width, height))])
 }
 
 fn with_photo() -> (Document, PhotoId) {

@@ -1,18 +1,14 @@
 //! Files in a temporary folder: backups, changes by others, locks, recovery.
 
 use super::*;
-use crate::document::{Document, Edit, PhotoId};
+use crate::document::{Document, Edit, NewPhoto, PhotoId};
 use std::time::{Duration, Instant};
 
 fn project(title: &str) -> Document {
     let mut document = Document::new();
-    let photo = Edit::AddPhoto {
-        name: "oak.jpg".to_owned(),
-        bytes: b"bytes of a photograph".as_slice().into(),
-        width: 40,
-        height: 30,
-    };
-    document.apply("Add", photo).unwrap();
+    let bytes = b"bytes of a photograph".as_slice().into();
+    let photo = NewPhoto::new("oak.jpg", bytes, (40, 30));
+    document.apply("Add", Edit::AddPhotos(vec![photo])).unwrap();
     document
         .apply("Title", Edit::SetTitle(title.to_owned()))
         .unwrap();

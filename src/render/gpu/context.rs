@@ -1,6 +1,7 @@
 //! A graphics card, asked for in a way that no answer is a panic.
 
 use crate::render::RenderError;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// A device and what it has told of itself since.
@@ -11,6 +12,7 @@ pub struct Gpu {
     info: wgpu::AdapterInfo,
     /// The first thing that went wrong outside an error scope.
     trouble: Arc<Mutex<Option<RenderError>>>,
+    is_lost: Arc<AtomicBool>,
 }
 
 impl Gpu {
@@ -45,7 +47,10 @@ impl Gpu {
     pub fn new(device: wgpu::Device, queue: wgpu::Queue, info: wgpu::AdapterInfo) -> Self {
         let trouble = Arc::new(Mutex::new(None));
         let lost = Arc::clone(&trouble);
+        let is_lost = Arc::new(AtomicBool::new(false));
+        let loses = Arc::clone(&is_lost);
         device.set_device_lost_callback(move |_, message| {
+            loses.store(true, Ordering::Relaxed);
             note(&lost, RenderError::DeviceLost(message));
         });
         let uncaptured = Arc::clone(&trouble);
@@ -55,7 +60,15 @@ impl Gpu {
             queue,
             info,
             trouble,
+            is_lost,
         }
+    }
+
+    /// Whether the device is gone: whatever is asked of it fails from now on.
+    pub fn is_lost(&self) -> bool {
+        // A loss is told to whoever looks.
+        let looked = self.poll();
+        looked.is_err() || self.is_lost.load(Ordering::Relaxed)
     }
 
     /// The name of the adapter and what it is reached through.

@@ -2,6 +2,7 @@
 
 use super::live::LiveOutcome;
 use super::mask_jobs::MaskResult;
+use super::own_model::ReadModel;
 use super::photos::{THUMBNAIL_PX, Thumbnail};
 use super::studio::{Effect, Question, Severity, Studio};
 use super::vary_jobs::VaryOutcome;
@@ -49,6 +50,8 @@ pub(super) enum Outcome {
     Live(LiveOutcome),
     /// What a job of the variations gave.
     Vary(VaryOutcome),
+    /// A segmentation model was read.
+    Model(Box<ReadModel>),
 }
 
 /// A picture that was read from a file.
@@ -108,6 +111,7 @@ impl Studio {
             Outcome::Looked(path, on_disk) => self.looked(&path, on_disk),
             Outcome::Discarded(folder) => self.recoverable.retain(|left| left.folder != folder),
             Outcome::Vary(outcome) => self.accept_variation(outcome),
+            Outcome::Model(read) => self.accept_model(*read),
         }
     }
 

@@ -305,3 +305,44 @@ fn a_signal_at_any_stage_leaves_nothing() {
         }
     }
 }
+
+/// A photograph that comes with the program: nobody says where its crown is.
+#[test]
+fn without_a_mask_the_network_finds_the_crown() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let photo = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/photos/meadow_oak.jpg");
+    std::fs::copy(photo, at.join("oak.jpg")).unwrap();
+    let made = boscage(
+        at,
+        &["crown", "oak.jpg", "--size", "64", "--out", "a", "--json"],
+    );
+    let told = String::from_utf8(made.stderr).unwrap();
+    assert!(made.status.success(), "{told}");
+    assert!(
+        told.contains("warning: oak.jpg: its crown was found by the learned segmenter"),
+        "{told}"
+    );
+    let answer: Value = serde_json::from_slice(&made.stdout).unwrap();
+    assert_eq!(answer["mask"]["source"], "learned");
+    assert!(answer["mask"]["confidence"].as_f64().unwrap() > 0.5);
+    let record: Value =
+        serde_json::from_slice(&std::fs::read(at.join("a/crown.json")).unwrap()).unwrap();
+    assert_eq!(record["recipe"]["segmenter"]["name"], "auto");
+
+    // Made again from its record alone, with the same crown found.
+    let again = boscage(at, &["crown", "--recipe", "a/crown.json", "--out", "b"]);
+    let told = String::from_utf8(again.stderr).unwrap();
+    assert!(again.status.success(), "{told}");
+    assert!(contents(&at.join("a")) == contents(&at.join("b")));
+
+    // The rules see no tree in a photograph: that is said, and nothing is written.
+    let guessed = boscage(
+        at,
+        &["crown", "oak.jpg", "--segmenter", "classical", "--out", "c"],
+    );
+    let told = String::from_utf8(guessed.stderr).unwrap();
+    assert_eq!(guessed.status.code(), Some(2), "{told}");
+    assert!(told.contains("give a --mask"), "{told}");
+    assert!(!at.join("c").exists());
+}

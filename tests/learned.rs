@@ -391,10 +391,9 @@ fn a_runtime_that_is_none_is_told_of_and_passed_over() {
         let output = place.run(&line);
         let told = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(0), "{told}");
-        assert!(
-            told.contains("warning: ") && told.contains("not used to run models"),
-            "{told}"
-        );
-        assert_eq!(told.lines().count(), 1, "{told}");
+        // Whether the network takes the drawing for a tree is another matter.
+        let told_of_it = |line: &&str| line.contains("not used to run models");
+        assert_eq!(told.lines().filter(told_of_it).count(), 1, "{told}");
+        assert!(told.lines().all(|line| line.starts_with("warning: ")));
     }
 }

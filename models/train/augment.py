@@ -486,6 +486,26 @@ class Maker:
         seen[rows, columns] = labels[rows, columns]
         return out, seen.astype(np.uint8)
 
+    def close_up(self, rng, closer, billboards):
+        """The foot of a tree as the program looks at it again: `closer` makes larger examples."""
+        image, labels = closer.example(rng, billboards)
+        large = closer.size
+        side = int(rng.uniform(0.35, 0.7) * large)
+        trunk = labels == TRUNK
+        seen = trunk if trunk.sum() > 12 else labels > 0
+        if not seen.any():
+            seen = np.ones_like(trunk)
+        ys, xs = np.flatnonzero(seen.any(axis=1)), np.flatnonzero(seen.any(axis=0))
+        x = (xs[0] + xs[-1]) / 2 + rng.normal(0, 0.1) * side
+        bottom = ys[-1] + rng.uniform(0.05, 0.4) * side
+        left = int(np.clip(x - side / 2, 0, large - side))
+        top = int(np.clip(bottom - side, 0, large - side))
+        part = (slice(top, top + side), slice(left, left + side))
+        target = (self.size, self.size)
+        mode = cv2.INTER_AREA if side > self.size else cv2.INTER_LINEAR
+        planes = [cv2.resize(plane[part], target, interpolation=mode) for plane in image]
+        return np.stack(planes), cv2.resize(labels[part], target, interpolation=cv2.INTER_NEAREST)
+
     def example(self, rng, billboards=0.5):
         """One example of a random kind."""
         kind = rng.random()

@@ -6,18 +6,13 @@ to its IoU, mean of crown and trunk: a logistic curve over the two features of t
 error is measured leaving one fold of sources out at a time.
 """
 
-import argparse
-import json
-import pathlib
-
 import cv2
 import numpy as np
 import scipy.optimize
 import torch
 
 import judge
-from evaluate import load, pasted, unseen
-from trees import frame, network_input, real_trees
+from trees import frame, network_input
 
 
 def logits_of(net, tree, size):
@@ -79,29 +74,17 @@ def expected(features, coefficients):
     return 1 / (1 + np.exp(-x @ np.asarray(coefficients)))
 
 
-def main():
-    flags = argparse.ArgumentParser(description=__doc__)
-    flags.add_argument("--data", type=pathlib.Path, required=True)
-    flags.add_argument("--net", action="append", required=True, metavar="WEIGHTS:FOLD")
-    flags.add_argument("--size", type=int, default=256)
-    flags.add_argument("--out", type=pathlib.Path, required=True)
-    o = flags.parse_args()
-    torch.set_num_threads(1)
-    nets = [(load(item.rsplit(":", 1)[0]), item.rsplit(":", 1)[1]) for item in o.net]
-    samples, shown = [], []
-    for index, tree in enumerate(real_trees(o.data)):
-        net = unseen(nets, tree)
-        if net is None:
-            continue
-        for picture in [tree] + ([pasted(tree, (index, 0))] if tree.has_alpha else []):
-            samples.append(logits_of(net, picture, o.size))
-            shown.append((net, picture))
+def temperature_of(samples):
+    """The temperature that fits `samples` (of `logits_of`) best."""
     found = scipy.optimize.minimize_scalar(lambda t: log_loss(samples, np.exp(t)), bounds=(-1.5, 2), method="bounded")
-    temperature = float(np.exp(found.x))
-    scores = [judge.score(net, picture, o.size, None, temperature=temperature) for net, picture in shown]
+    return float(np.exp(found.x))
+
+
+def calibration_of(samples, temperature, scores, folds):
+    """What stands in the sidecar, and what it is worth. `scores` are those at this temperature."""
     features = np.array([s.features for s in scores])
     ious = np.array([judge.mean(s.final) for s in scores])
-    folds = np.array([picture.fold for _, picture in shown])
+    folds = np.array(folds)
     coefficients = fitted(features, ious)
     guesses = np.zeros(len(ious))
     for fold in np.unique(folds):
@@ -130,12 +113,4 @@ def main():
             "coefficients": [round(float(c), 4) for c in coefficients],
         },
     }
-    o.out.write_text(json.dumps(calibration, indent=1) + "\n")
-    print(json.dumps({**calibration, "report": report}, indent=1))
-    order = np.argsort(guesses)
-    for i in order:
-        print(f"{shown[i][1].name:34} {'alpha' if shown[i][1].has_alpha else 'plain'} certainty {features[i][0]:.3f} {features[i][1]:.3f} expected {guesses[i]:.2f} is {ious[i]:.2f}")
-
-
-if __name__ == "__main__":
-    main()
+    return calibration, report

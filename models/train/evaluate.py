@@ -15,6 +15,7 @@ import cv2
 import numpy as np
 import torch
 
+import calibrate
 import judge
 from network import Segmenter
 from scenes import outdoors
@@ -119,27 +120,38 @@ def main():
     flags.add_argument("--size", type=int, default=256)
     flags.add_argument("--draw", type=pathlib.Path, help="folder for pictures of every answer")
     flags.add_argument("--json", type=pathlib.Path, help="file for all scores")
+    flags.add_argument("--calibration", type=pathlib.Path, help="calibrate on these answers and write it here")
     flags.add_argument("--quick", action="store_true", help="leave out the billboards on painted backdrops")
     flags.add_argument("--quiet", action="store_true")
     o = flags.parse_args()
     torch.set_num_threads(1)
     nets = [(load(item.rsplit(":", 1)[0]), item.rsplit(":", 1)[1]) for item in o.net]
     truth = pin_table(o.data)
-    scores, drawings = [], {"alpha": [], "pasted": [], "photo": []}
+    shown = []
     for index, tree in enumerate(real_trees(o.data)):
         net = unseen(nets, tree)
         if net is None:
             continue
-        shown = [(tree, truth.get(tree.name), None)]
+        shown.append((net, tree, truth.get(tree.name), None))
         if tree.has_alpha and not o.quick:
-            shown += [(pasted(tree, (index, k)), None, "pasted") for k in range(2)]
-        for picture, pin_truth, mode in shown:
-            s = judge.score(net, picture, o.size, pin_truth, mode)
-            scores.append(s)
-            title = f"{s.name} {short(s.final[0])} {short(s.final[1])} pin {short(s.pin)}"
-            drawings[s.mode].append(drawing(picture, s.classes, title))
-            if not o.quiet and mode != "pasted":
-                print(f"{s.name:36} {s.mode:6} raw {short(s.raw[0])} {short(s.raw[1])} final {short(s.final[0])} {short(s.final[1])} pin {short(s.pin)} base {short(s.baseline)} certainty {s.features[0]:.2f} {s.features[1]:.2f}")
+            shown.append((net, pasted(tree, (index, 0)), None, "pasted"))
+    temperature = 1.0
+    if o.calibration:
+        samples = [calibrate.logits_of(net, picture, o.size) for net, picture, _, _ in shown]
+        temperature = calibrate.temperature_of(samples)
+    scores, drawings = [], {"alpha": [], "pasted": [], "photo": []}
+    for net, picture, pin_truth, mode in shown:
+        s = judge.score(net, picture, o.size, pin_truth, mode, temperature)
+        scores.append(s)
+        title = f"{s.name} {short(s.final[0])} {short(s.final[1])} pin {short(s.pin)}"
+        drawings[s.mode].append(drawing(picture, s.classes, title))
+        if not o.quiet and mode != "pasted":
+            print(f"{s.name:36} {s.mode:6} raw {short(s.raw[0])} {short(s.raw[1])} final {short(s.final[0])} {short(s.final[1])} pin {short(s.pin)} base {short(s.baseline)} certainty {s.features[0]:.2f} {s.features[1]:.2f}", flush=True)
+    if o.calibration:
+        folds = [picture.fold for _, picture, _, _ in shown]
+        calibration, report = calibrate.calibration_of(samples, temperature, scores, folds)
+        o.calibration.write_text(json.dumps(calibration, indent=1) + "\n")
+        print(json.dumps({**calibration, "report": report}, indent=1))
     found = tables(scores)
     for name, s in found.items():
         print(line(name, s))
@@ -149,7 +161,7 @@ def main():
     if o.draw:
         o.draw.mkdir(parents=True, exist_ok=True)
         sheet(drawings["alpha"], o.draw / "alpha.png", 4)
-        sheet(drawings["pasted"][::2], o.draw / "pasted.png", 4)
+        sheet(drawings["pasted"], o.draw / "pasted.png", 4)
         sheet(drawings["photo"], o.draw / "photo.png", 3)
 
 

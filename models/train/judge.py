@@ -16,6 +16,10 @@ from trees import BACKGROUND, CROWN, TRUNK, frame, network_input
 
 # Smallest trunk, as a part of the tree's pixels.
 LEAST_TRUNK = 0.002
+# Likelihood of trunk and crown together from which on a photograph's pixel is tree.
+TREE = 0.4
+# Reach of the guided filter's window, pixels of the network, and the variance of colour that it ignores.
+REACH, EPSILON = 2, 1e-3
 
 
 def probabilities(net, tree, size, temperature=1.0, has_alpha=None):
@@ -35,42 +39,115 @@ def enlarged(p, height, width):
     return np.stack([cv2.resize(c, (width, height), interpolation=cv2.INTER_LINEAR) for c in p])
 
 
-def guided(guide, p, radius, epsilon):
-    """He et al.'s guided filter with a grey guide."""
+def guided(guide, planes, radius, epsilon):
+    """He et al.'s guided filter with a guide of three colours."""
     window = (2 * radius + 1, 2 * radius + 1)
     mean = lambda image: cv2.blur(image, window, borderType=cv2.BORDER_REFLECT)
-    mean_g, mean_p = mean(guide), mean(p)
-    a = (mean(guide * p) - mean_g * mean_p) / (mean(guide * guide) - mean_g * mean_g + epsilon)
-    b = mean_p - a * mean_g
-    return mean(a) * guide + mean(b)
+    colours = [np.ascontiguousarray(guide[..., i]) for i in range(3)]
+    means = [mean(c) for c in colours]
+    v = {(i, j): mean(colours[i] * colours[j]) - means[i] * means[j] for i in range(3) for j in range(i, 3)}
+    rr, gg, bb = (v[i, i] + epsilon for i in range(3))
+    rg, rb, gb = v[0, 1], v[0, 2], v[1, 2]
+    # Cofactors of the symmetric matrix.
+    c00, c01, c02 = gg * bb - gb * gb, rb * gb - rg * bb, rg * gb - rb * gg
+    c11, c12, c22 = rr * bb - rb * rb, rb * rg - rr * gb, rr * gg - rg * rg
+    determinant = rr * c00 + rg * c01 + rb * c02
+    out = []
+    for p in planes:
+        mean_p = mean(p)
+        x, y, z = (mean(c * p) - m * mean_p for c, m in zip(colours, means))
+        slope = [(c00 * x + c01 * y + c02 * z), (c01 * x + c11 * y + c12 * z), (c02 * x + c12 * y + c22 * z)]
+        slope = [s / determinant for s in slope]
+        rest = mean_p - sum(s * m for s, m in zip(slope, means))
+        out.append(sum(mean(s) * c for s, c in zip(slope, colours)) + mean(rest))
+    return np.stack(out)
 
 
-def raw_labels(p, tree, has_alpha=None):
+def sharpened(p, tree, size):
+    """Probabilities at the size of the picture; without alpha brought to its edges."""
+    height, width = tree.labels.shape
+    p = enlarged(p, height, width)
+    if tree.has_alpha:
+        return p
+    radius = max(1, round(REACH * max(height, width) / size))
+    guide = tree.rgba[..., :3].astype(np.float32) / 255
+    return guided(guide, p, radius, EPSILON)
+
+
+def foot(p):
+    """Where the network looks a second time: left, top, right, bottom as parts of the picture, or None.
+
+    A square about the likeliest trunk, or the lowest tenth of the tree, twice as high as that and half
+    the picture's longer side at least.
+    """
+    height, width = p.shape[1:]
+    parts, count = scipy.ndimage.label(p[TRUNK] > 0.3, np.ones((3, 3)))
+    if count:
+        areas = np.bincount(parts.ravel())[1:]
+        ys, xs = np.nonzero(parts == 1 + areas.argmax())
+    else:
+        ys, xs = np.nonzero(p[TRUNK] + p[CROWN] > TREE)
+        if len(ys) == 0:
+            return None
+        low = ys >= ys.max() - (ys.max() - ys.min()) // 10
+        ys, xs = ys[low], xs[low]
+    top, bottom, longest = ys.min(), ys.max() + 1, max(height, width)
+    side = max(2 * (bottom - top), longest / 2)
+    if side > 0.8 * longest:
+        return None
+    x = (xs.min() + xs.max() + 1) / 2
+    y1 = min(height, bottom + side / 4)
+    edges = max(0, x - side / 2) / width, max(0, y1 - side) / height, min(width, x + side / 2) / width, y1 / height
+    return edges
+
+
+def ramp(count, rises, falls):
+    """0 to 1 over the first seventh, 1 to 0 over the last, where wanted."""
+    at = (np.arange(count) + 0.5) / count * 7
+    up = np.minimum(at, 1) if rises else np.ones(count)
+    return np.minimum(up, np.minimum(7 - at, 1) if falls else 1).astype(np.float32)
+
+
+def looked(net, tree, size, temperature=1.0):
+    """Probabilities inside the frame, as the network gives them, and at the size of the picture;
+    without alpha after a second look at the foot of the tree."""
+    p = probabilities(net, tree, size, temperature)
+    fine = sharpened(p, tree, size)
+    edges = None if tree.has_alpha else foot(p)
+    if edges is None:
+        return p, fine
+    height, width = tree.labels.shape
+    left, right = (int(round(x * width)) for x in edges[::2])
+    top, bottom = (int(round(y * height)) for y in edges[1::2])
+    window = (slice(top, bottom), slice(left, right))
+    part = dataclasses.replace(tree, rgba=np.ascontiguousarray(tree.rgba[window]), labels=np.ascontiguousarray(tree.labels[window]))
+    again = sharpened(probabilities(net, part, size, temperature), part, size)
+    weight = ramp(bottom - top, top > 0, bottom < height)[:, None] * ramp(right - left, left > 0, right < width)
+    fine[(slice(None), *window)] += weight * (again - fine[(slice(None), *window)])
+    return p, fine
+
+
+def raw_labels(p, tree):
     """Likeliest class; with alpha, clear pixels are background and the others are not."""
-    has_alpha = tree.has_alpha if has_alpha is None else has_alpha
     height, width = tree.labels.shape
     p = enlarged(p, height, width)
-    return decided(p, tree.rgba[..., 3] if has_alpha else None)
+    if tree.has_alpha:
+        return of_cut_out(p, tree)
+    return p.argmax(0).astype(np.uint8)
 
 
-def decided(p, alpha):
-    if alpha is None:
-        return p.argmax(0).astype(np.uint8)
-    tree = np.where(p[TRUNK] > p[CROWN], TRUNK, CROWN)
-    return np.where(alpha >= 128, tree, BACKGROUND).astype(np.uint8)
+def of_cut_out(p, tree):
+    """Trunk or crown where the picture is opaque."""
+    kind = np.where(p[TRUNK] > p[CROWN], TRUNK, CROWN)
+    return np.where(tree.rgba[..., 3] >= 128, kind, BACKGROUND).astype(np.uint8)
 
 
-def labels(p, tree, has_alpha=None):
+def labels(fine, tree):
     """Labels with all post-processing: snapped to the picture's edges, connected."""
-    has_alpha = tree.has_alpha if has_alpha is None else has_alpha
-    height, width = tree.labels.shape
-    p = enlarged(p, height, width)
-    radius = max(1, round(max(height, width) * 0.006))
-    guide = tree.rgba[..., :3].astype(np.float32) @ np.array([0.30, 0.59, 0.11], np.float32) / 255
-    if has_alpha:
-        return connected(decided(p, tree.rgba[..., 3]), p, islands=True)
-    p = np.stack([guided(guide, c, radius, 1e-3) for c in p])
-    return connected(decided(p, None), p)
+    if tree.has_alpha:
+        return connected(of_cut_out(fine, tree), fine, islands=True)
+    kind = np.where(fine[TRUNK] > fine[CROWN], TRUNK, CROWN)
+    return connected(np.where(fine[TRUNK] + fine[CROWN] > TREE, kind, BACKGROUND).astype(np.uint8), fine)
 
 
 def replace(classes, where, p):
@@ -171,8 +248,8 @@ def features(p):
 
 def score(net, tree, size, pin_truth, mode=None, temperature=1.0):
     """Labels and scores one tree; `mode` names how it was shown."""
-    p = probabilities(net, tree, size, temperature)
-    raw, final = raw_labels(p, tree), labels(p, tree)
+    p, fine = looked(net, tree, size, temperature)
+    raw, final = raw_labels(p, tree), labels(fine, tree)
     found = pins(final)
     base = None
     if pin_truth and pin_truth["baseline_y"] >= 0:

@@ -13,8 +13,10 @@ import torch
 from network import Segmenter, folded, multiplications, parameters
 
 OPSET = 17
-VERSION = "1.0"
-LICENCE = "MIT OR Apache-2.0"
+VERSION = "2.0"
+# Tensors of at least so many numbers are stored in 16 bits and widened when the model is loaded.
+LARGE = 256
+LICENCE = "Apache-2.0"
 
 
 def sidecar(size, calibration):
@@ -48,10 +50,57 @@ def write_atomically(path, data):
     os.replace(part, path)
 
 
+def rounded(net):
+    """The network with its large tensors as 16 bits hold them."""
+    for p in net.parameters():
+        p.requires_grad_(False)
+        if p.numel() >= LARGE:
+            p.data = p.data.half().float()
+            assert torch.isfinite(p.data).all(), "too large for 16 bits"
+    return net
+
+
+def fuse_paddings(graph):
+    """Lets convolutions pad for themselves, unevenly if need be, and drops what nothing needs then."""
+    pads = {node.output[0]: node for node in graph.node if node.op_type == "Pad"}
+    for node in graph.node:
+        if node.op_type != "Conv" or node.input[0] not in pads:
+            continue
+        attributes = {a.name: a for a in node.attribute}
+        total = attributes["kernel_shape"].ints[0] - attributes["strides"].ints[0]
+        before = total // 2
+        attributes["pads"].ints[:] = [before, before, total - before, total - before]
+        node.input[0] = pads[node.input[0]].input[0]
+    nodes, needed = [], {output.name for output in graph.output}
+    for node in reversed(graph.node):
+        if needed.intersection(node.output):
+            nodes.insert(0, node)
+            needed.update(node.input)
+    del graph.node[:]
+    graph.node.extend(nodes)
+    kept = [tensor for tensor in graph.initializer if tensor.name in needed]
+    del graph.initializer[:]
+    graph.initializer.extend(kept)
+
+
+def halve(graph):
+    """Stores large tensors in 16 bits, each with a Cast that widens it."""
+    casts = []
+    for tensor in graph.initializer:
+        values = onnx.numpy_helper.to_array(tensor)
+        if values.dtype == np.float32 and values.size >= LARGE:
+            name = tensor.name
+            tensor.CopyFrom(onnx.numpy_helper.from_array(values.astype(np.float16), name + ".half"))
+            casts.append(onnx.helper.make_node("Cast", [tensor.name], [name], to=onnx.TensorProto.FLOAT))
+    nodes = list(graph.node)
+    del graph.node[:]
+    graph.node.extend(casts + nodes)
+
+
 def export(net, size, calibration, folder):
     """Writes segmenter.onnx and segmenter.json into `folder`."""
     folder = pathlib.Path(folder)
-    net = folded(net).to(memory_format=torch.contiguous_format)
+    net = rounded(folded(net)).to(memory_format=torch.contiguous_format)
     work = folder / "segmenter.work"
     torch.onnx.export(
         net,
@@ -64,6 +113,8 @@ def export(net, size, calibration, folder):
     )
     model = onnx.load(work)
     work.unlink()
+    fuse_paddings(model.graph)
+    halve(model.graph)
     text = json.dumps(sidecar(size, calibration), indent=2) + "\n"
     onnx.helper.set_model_props(model, {"boscage": text})
     model.producer_name, model.producer_version = "boscage", VERSION

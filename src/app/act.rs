@@ -62,6 +62,7 @@ impl Studio {
             Action::PauseJob(job, is_paused) => self.jobs.set_paused(job, is_paused),
             Action::Answer(answer) => self.answer(answer),
             Action::UseRuntime(library) => self.use_runtime(library),
+            Action::UseModel(model) => self.read_model(model, true),
             Action::TourSeen => self.preferences.tour_was_seen = true,
             Action::Live(action) => self.act_live(action),
             Action::Vary(action) => self.vary(action),
@@ -164,6 +165,8 @@ impl Studio {
             Command::ShortcutSheet => self.effects.push(Effect::ToggleShortcutSheet),
             Command::Tour => self.effects.push(Effect::StartTour),
             Command::ChooseRuntime => self.effects.push(Effect::AskWhichRuntime),
+            Command::ChooseModel => self.effects.push(Effect::AskWhichModel),
+            Command::UseBuiltInModel => self.use_built_in_model(),
             Command::About => self.effects.push(Effect::ToggleAbout),
         }
     }

@@ -58,6 +58,8 @@ pub enum Action {
     BrushSmoothing(f64),
     /// Runs networks with this library from the next start on.
     UseRuntime(PathBuf),
+    /// Tells crown from trunk with this model, if it is sound.
+    UseModel(PathBuf),
     /// Looks differently at the project; not undone.
     Look(Box<ViewState>),
     /// The canvas looks here now; not undone.

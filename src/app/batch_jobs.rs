@@ -18,7 +18,7 @@ use crate::export::{LicenseRecord, Preset, SpriteSettings, WindChannels};
 use crate::jobs::{Context, JobError, Priority, Request, Topic};
 use crate::pipeline::choice_settings;
 use crate::raster::{Image, Straight};
-use crate::segment::standard;
+use crate::segment::Auto;
 use crate::variation::{ExemplarSettings, LibraryPicture};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -188,6 +188,7 @@ fn said(field: &str) -> Option<String> {
 struct Batch {
     settings: BatchSettings,
     vary: Vary,
+    segmenter: &'static Auto,
     seed: u64,
 }
 
@@ -297,6 +298,7 @@ impl Studio {
         Some(Batch {
             settings,
             vary,
+            segmenter: self.segmenter(),
             seed,
         })
     }
@@ -352,7 +354,7 @@ impl Batch {
     fn written(&self, run: &Run<'_>) -> Result<String, Failure> {
         let out = self.settings.out();
         self.keep_exemplars(&out, run)?;
-        let record = self.vary.run(standard(), &out, run)?;
+        let record = self.vary.run(self.segmenter, &out, run)?;
         let folder = self.settings.folder.display();
         let Some(choice) = &self.settings.export else {
             return Ok(format!("Made {} trees in {folder}", record.trees.len()));

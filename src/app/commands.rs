@@ -142,6 +142,10 @@ pub enum Command {
     Tour,
     /// Names a library that runs networks faster.
     ChooseRuntime,
+    /// Names a model that tells crown from trunk.
+    ChooseModel,
+    /// Goes back to the model that is built in.
+    UseBuiltInModel,
     /// What the studio is.
     About,
 }
@@ -262,6 +266,8 @@ pub const TABLE: &[Row] = &[
     row(Command::ShortcutSheet, Menu::Help, "Keyboard Shortcuts", "Shows all keys.", SHIFT, Key::Questionmark),
     row(Command::Tour, Menu::Help, "Tour", "Shows the way from a picture to a tree in six steps.", NONE, Key::F1),
     row(Command::ChooseRuntime, Menu::Help, "Use ONNX Runtime…", "Names the library that finds crown and trunk several times faster; from the next start on.", COMMAND_SHIFT, Key::F2),
+    row(Command::ChooseModel, Menu::Help, "Use Segmentation Model…", "Names a model of your own (ONNX) that finds crown and trunk; it is tried out first.", COMMAND_SHIFT, Key::F3),
+    row(Command::UseBuiltInModel, Menu::Help, "Use Built-in Model", "Finds crown and trunk with the model that comes with Boscage again.", COMMAND_SHIFT, Key::F4),
     row(Command::About, Menu::Help, "About Boscage", "Version, graphics card, licences.", COMMAND_SHIFT, Key::F1),
 ];
 

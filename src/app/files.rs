@@ -26,6 +26,8 @@ pub(super) enum Purpose {
     ImportMask,
     /// A library that runs networks.
     Runtime,
+    /// A model that tells crown from trunk.
+    Model,
     /// The file to write the labels to.
     ExportMask,
     /// A folder to write trees to.
@@ -118,6 +120,10 @@ fn of_desktop(purpose: Purpose) -> Option<Vec<PathBuf>> {
             .add_filter("All files", &["*"])
             .pick_files(),
         Purpose::Runtime => dialog.pick_file().map(|path| vec![path]),
+        Purpose::Model => dialog
+            .add_filter("ONNX models", &["onnx"])
+            .pick_file()
+            .map(|path| vec![path]),
         Purpose::ImportMask => dialog
             .add_filter("Masks", &["png", "tif", "tiff", "tga", "bmp", "webp"])
             .pick_file()
@@ -150,6 +156,7 @@ fn chosen(purpose: Purpose, mut paths: Vec<PathBuf>) -> Option<Action> {
         }
         Purpose::Open => (!paths.is_empty()).then_some(Action::Open(paths)),
         Purpose::Runtime => Some(Action::UseRuntime(paths.pop()?)),
+        Purpose::Model => Some(Action::UseModel(paths.pop()?)),
         Purpose::ImportMask => Some(Action::Mask(MaskAction::Import(paths.pop()?))),
         Purpose::ExportMask | Purpose::Picture => {
             let mut path = paths.pop()?;
@@ -187,6 +194,7 @@ impl OwnDialog {
             Purpose::Open => ("Open", "Open"),
             Purpose::Save => ("Save Project As", "Save"),
             Purpose::Runtime => ("Use ONNX Runtime", "Use"),
+            Purpose::Model => ("Use Segmentation Model", "Use"),
             Purpose::ImportMask => ("Import Mask", "Import"),
             Purpose::ExportMask => ("Export Mask", "Export"),
             Purpose::Folder => ("Choose a Folder", "Choose"),

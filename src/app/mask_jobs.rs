@@ -21,7 +21,7 @@ use crate::pipeline::{PictureShape, picture_shape};
 use crate::raster::{
     Compression, Image, ReadLimits, Rect, Straight, encode_grey_png, read_image_from_memory,
 };
-use crate::segment::{Provenance, Segmenter as _, Source, standard};
+use crate::segment::{Provenance, Segmenter as _, Source};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -271,8 +271,9 @@ impl Studio {
         let (Some(photo), Some(picture)) = (self.shown(), self.picture_at_hand()) else {
             return;
         };
+        let segmenter = self.segmenter();
         self.start("Proposing a mask", "change mask", photo, move |context| {
-            let found = standard().segmented(&picture, context.cancel());
+            let found = segmenter.segmented(&picture, context.cancel());
             let found = found.map_err(JobError::failed)?;
             Ok(MaskResult::Proposal(Proposal {
                 photo,
@@ -302,9 +303,11 @@ impl Studio {
         let told = match (source, confidence) {
             (Source::Learned, Some(confidence)) => {
                 let percent = 100.0 * confidence;
-                format!(
-                    "Proposed by the learned segmenter, {percent:.0} % sure. Correct it by hand."
-                )
+                let who = match self.model_name() {
+                    Some(name) => format!("the model {name}"),
+                    None => "the learned segmenter".to_owned(),
+                };
+                format!("Proposed by {who}, {percent:.0} % sure. Correct it by hand.")
             }
             _ => "Proposed by the classical segmenter. Correct it by hand.".to_owned(),
         };
@@ -366,13 +369,14 @@ impl Studio {
             return;
         }
         self.mask_work.shape_asked = Some((digest, Arc::clone(&mask)));
+        let segmenter = self.segmenter();
         // A failure is a result: the canvas shows why there is no outline.
         self.start(
             "Finding the outline of the tree",
             "shape",
             photo,
             move |context| {
-                let shape = picture_shape(&picture, &mask, standard(), context.cancel());
+                let shape = picture_shape(&picture, &mask, segmenter, context.cancel());
                 context.check()?;
                 Ok(MaskResult::Shape(Shaped {
                     photo: digest,

@@ -28,6 +28,7 @@ mod make_dialog;
 mod mask_action;
 mod mask_jobs;
 mod outcome;
+mod own_model;
 mod palette;
 mod panels;
 mod photo_jobs;

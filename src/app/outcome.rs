@@ -2,6 +2,7 @@
 
 use super::live::LiveOutcome;
 use super::mask_jobs::MaskResult;
+use super::own_model::ReadModel;
 use super::photo_jobs::decoded;
 use super::photos::Thumbnail;
 use super::studio::{Effect, Question, Severity, SharedAutosave, Studio};
@@ -54,6 +55,8 @@ pub(super) enum Outcome {
     Live(LiveOutcome),
     /// What a job of the variations gave.
     Vary(VaryOutcome),
+    /// A segmentation model was read.
+    Model(Box<ReadModel>),
 }
 
 fn topic(kind: &'static str, item: u64) -> Topic {
@@ -107,6 +110,7 @@ impl Studio {
             Outcome::Looked(path, on_disk) => self.looked(&path, on_disk),
             Outcome::Discarded(folder) => self.recoverable.retain(|left| left.folder != folder),
             Outcome::Vary(outcome) => self.accept_variation(outcome),
+            Outcome::Model(read) => self.accept_model(*read),
         }
     }
 

@@ -22,6 +22,8 @@ pub struct Preferences {
     pub tour_was_seen: bool,
     /// The library that runs networks, if not the one built in.
     pub onnx_runtime: Option<PathBuf>,
+    /// The model that tells crown from trunk, if not the one built in.
+    pub segmentation_model: Option<PathBuf>,
 }
 
 /// Whose mouse buttons the 3D view uses. Left drag, wheel and Shift work everywhere.
@@ -45,6 +47,7 @@ impl Default for Preferences {
             live_crown: true,
             tour_was_seen: false,
             onnx_runtime: None,
+            segmentation_model: None,
         }
     }
 }

@@ -133,6 +133,7 @@ impl Shell {
             Effect::AskWhatToOpen => self.dialogs.ask(Purpose::Open, ctx),
             Effect::AskWhereToSave => self.dialogs.ask(Purpose::Save, ctx),
             Effect::AskWhichRuntime => self.dialogs.ask(Purpose::Runtime, ctx),
+            Effect::AskWhichModel => self.dialogs.ask(Purpose::Model, ctx),
             Effect::AskWhichMask => self.dialogs.ask(Purpose::ImportMask, ctx),
             Effect::AskWhereToExportMask => self.dialogs.ask(Purpose::ExportMask, ctx),
             Effect::ZoomToFit | Effect::ZoomToPixels | Effect::ZoomBy(_) | Effect::FrameTree => {

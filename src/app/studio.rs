@@ -4,6 +4,7 @@ use super::act_mask::MaskWork;
 use super::commands::Command;
 use super::live::Live;
 use super::outcome::Outcome;
+use super::own_model::OwnModel;
 use super::photos::Photos;
 use super::preferences::Preferences;
 use super::tools::Tools;
@@ -121,6 +122,8 @@ pub(super) enum Effect {
     AskWhichMask,
     /// Asks for a library that runs networks.
     AskWhichRuntime,
+    /// Asks for a model that tells crown from trunk.
+    AskWhichModel,
     /// Shows the file dialog for a mask to write.
     AskWhereToExportMask,
     /// Shows the file dialog for a picture of the crown.
@@ -174,6 +177,9 @@ pub struct Studio {
     pub(super) workspace: Workspace,
     pub(super) mask_work: MaskWork,
     pub(super) preferences: Preferences,
+    pub(super) own_model: Option<OwnModel>,
+    /// What tries models out, if not the program that runs.
+    pub(super) trial_program: Option<PathBuf>,
     /// Commands in the order of their last use, the latest first.
     pub(super) recent_commands: Vec<Command>,
     pub(super) question: Option<Question>,
@@ -195,7 +201,8 @@ impl Studio {
     ) -> Self {
         let threads = std::thread::available_parallelism().map_or(2, usize::from);
         let recovery = Recovery::at(recovery_folder);
-        Self {
+        let model = preferences.segmentation_model.clone();
+        let mut studio = Self {
             document: Document::new(),
             generation: 0,
             file: ProjectFile::default(),
@@ -212,13 +219,19 @@ impl Studio {
             workspace: Workspace::default(),
             mask_work: MaskWork::default(),
             preferences,
+            own_model: None,
+            trial_program: None,
             recent_commands: Vec::new(),
             question: None,
             after_save: None,
             notices: Vec::new(),
             next_notice: 0,
             effects: Vec::new(),
+        };
+        if let Some(model) = model {
+            studio.read_model(model, false);
         }
+        studio
     }
 
     /// The project.

@@ -9,7 +9,7 @@ use crate::document::PhotoId;
 use crate::jobs::{Context, JobError, Priority, Request, Topic};
 use crate::pipeline::{Pool, choice_settings};
 use crate::raster::{Image, Premultiplied, Rect, Straight, resized};
-use crate::segment::standard;
+use crate::segment::{Auto, Segmenter as _};
 use crate::variation::{
     ChoiceSettings, Chosen, Draft, Drafts, Exemplar, ExemplarSettings, Library, LibraryError,
     LibraryPicture, Palette, TreeMaker,
@@ -112,6 +112,10 @@ impl Studio {
                 });
             }
         }
+        let segmenter = self.segmenter();
+        if let Some(model) = segmenter.model() {
+            stamp = stamp.with(model.bytes());
+        }
         let stamp = stamp.finish();
         if self.vary.asked_for == Some(stamp) {
             return stamp;
@@ -120,7 +124,13 @@ impl Studio {
         let known = self.vary.prepared.as_ref();
         let known = known.map(|prepared| Arc::clone(&prepared.library));
         let work = move |context: &Context<Outcome>| {
-            let prepared = prepared(stamp, &pictures, &ids, known.as_deref(), context)?;
+            let prepared = prepared(
+                (stamp, segmenter),
+                &pictures,
+                &ids,
+                known.as_deref(),
+                context,
+            )?;
             let prepared = VaryOutcome::Prepared(Box::new(prepared));
             Ok(Outcome::Vary(prepared))
         };
@@ -244,7 +254,7 @@ impl Studio {
 }
 
 fn prepared(
-    stamp: Digest,
+    (stamp, segmenter): (Digest, &'static Auto),
     pictures: &[LibraryPicture],
     ids: &[PhotoId],
     known: Option<&Library<'_>>,
@@ -253,7 +263,7 @@ fn prepared(
     let (library, refused) = Library::of(
         pictures,
         ExemplarSettings::default(),
-        standard(),
+        segmenter,
         None,
         known,
         context.progress(),

@@ -34,11 +34,15 @@ const MOST_WAITING: Duration = Duration::from_secs(120);
 const MOST_BYTES: u64 = 4 << 30;
 
 /// The model in the file `path`, described by the file of its name ending in `.json` or by itself,
-/// and tried out elsewhere.
+/// and tried out elsewhere, by `program` if that is not the one that runs.
 ///
 /// # Errors
 /// [`Failure::BadInput`] naming the file, with the reason; [`Failure::Cancelled`].
-pub(crate) fn learned_from(path: &Path, cancel: &Cancel) -> Result<Learned, Failure> {
+pub(crate) fn learned_from(
+    path: &Path,
+    program: Option<&Path>,
+    cancel: &Cancel,
+) -> Result<Learned, Failure> {
     let model = read_limited(path, LARGEST_BYTES)?;
     let beside = path.with_extension("json");
     let sidecar = match beside.is_file() {
@@ -50,19 +54,26 @@ pub(crate) fn learned_from(path: &Path, cancel: &Cancel) -> Result<Learned, Fail
         let file = if is_beside { beside.as_path() } else { path };
         Failure::of(file.display(), error)
     })?;
-    match tried_out(&learned, cancel)? {
+    match tried_out(&learned, program, cancel)? {
         None => Ok(learned),
         Some(reason) => Err(Failure::of(path.display(), reason)),
     }
 }
 
 /// Why `learned` may not run here, if so.
-fn tried_out(learned: &Learned, cancel: &Cancel) -> Result<Option<String>, Failure> {
+fn tried_out(
+    learned: &Learned,
+    program: Option<&Path>,
+    cancel: &Cancel,
+) -> Result<Option<String>, Failure> {
     let failed = |error: std::io::Error| {
         Failure::Environment(format!("a model cannot be tried out: {error}"))
     };
     let card = String::from_utf8_lossy(&learned.card().to_json()).into_owned();
-    let mut command = Command::new(std::env::current_exe().map_err(failed)?);
+    let mut command = match program {
+        Some(program) => Command::new(program),
+        None => Command::new(std::env::current_exe().map_err(failed)?),
+    };
     command.args([TRIAL, "--card", &card]);
     if let Some(library) = Runtime::asked_for() {
         command.arg("--onnx-runtime").arg(library);

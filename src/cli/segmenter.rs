@@ -46,7 +46,9 @@ impl SegmenterFlags {
     /// [`Failure::BadInput`] for a model that is none; [`Failure::Cancelled`].
     pub(super) fn checked(&self, cancel: &Cancel) -> Result<Box<dyn Segmenter>, Failure> {
         let own = self.model.as_deref();
-        let own = own.map(|path| learned_from(path, cancel)).transpose()?;
+        let own = own
+            .map(|path| learned_from(path, None, cancel))
+            .transpose()?;
         Ok(match (self.segmenter, own) {
             (SegmenterName::Classical, None) => Box::new(Classical),
             (SegmenterName::Classical, Some(_)) => {
@@ -77,7 +79,7 @@ impl SegmenterFlags {
             return Ok(Box::new(Classical));
         }
         let learned = match &self.model {
-            Some(path) => learned_from(path, cancel)?,
+            Some(path) => learned_from(path, None, cancel)?,
             None => built_in()?,
         };
         if record.model.as_deref() != Some(learned.digest().to_string().as_str()) {

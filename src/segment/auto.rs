@@ -6,9 +6,12 @@ use crate::base::{Cancel, Digest};
 use crate::raster::{Image, Straight};
 use std::sync::OnceLock;
 
-/// Confidence below which the rules are asked instead: about what they reach on pictures that they
+/// Confidence below which the rules are asked instead: about what they reach on cut-out trees that they
 /// were not made for.
 const LEAST_CONFIDENCE: f32 = 0.5;
+
+/// The same for photographs with their background, in which the rules see next to nothing.
+const LEAST_OF_PHOTO: f32 = 0.35;
 
 /// First the network, then the rules.
 #[derive(Clone)]
@@ -49,7 +52,7 @@ impl Segmenter for Auto {
     fn key(&self) -> String {
         match &self.learned {
             Ok(learned) => format!(
-                "auto {LEAST_CONFIDENCE}, {}, {}",
+                "auto {LEAST_CONFIDENCE} {LEAST_OF_PHOTO}, {}, {}",
                 learned.key(),
                 Classical.key()
             ),
@@ -72,9 +75,10 @@ impl Segmenter for Auto {
                 Err(SegmentError::Cancelled(cancelled)) => return Err(cancelled.into()),
                 Err(error) => (None, error.to_string()),
                 Ok(found) => match found.provenance.confidence {
-                    Some(confidence) if confidence < LEAST_CONFIDENCE => {
+                    Some(confidence) if confidence < least(image) => {
+                        let least = least(image);
                         let reason = format!(
-                            "the network was unsure: confidence {confidence:.2} is below {LEAST_CONFIDENCE}"
+                            "the network was unsure: confidence {confidence:.2} is below {least}"
                         );
                         (Some(confidence), reason)
                     }
@@ -86,5 +90,13 @@ impl Segmenter for Auto {
         found.provenance.confidence = confidence;
         found.provenance.reason = Some(reason);
         Ok(found)
+    }
+}
+
+/// The confidence that the network must have.
+fn least(image: &Image<Straight>) -> f32 {
+    match image.pixels().iter().any(|pixel| pixel.alpha() < 128) {
+        true => LEAST_CONFIDENCE,
+        false => LEAST_OF_PHOTO,
     }
 }

@@ -216,6 +216,7 @@ fn badge(studio: &Studio, prepared: Option<&Prepared>, id: PhotoId) -> String {
             } = entry.provenance;
             match (source, confidence) {
                 (Source::Learned, Some(confidence)) => {
+                    let source = studio.model_name().unwrap_or(source.name());
                     format!("{source} {:.0} %, {trunk}", 100.0 * confidence)
                 }
                 _ => format!("{source}, {trunk}"),
@@ -257,7 +258,7 @@ fn told(studio: &Studio, id: PhotoId, photo: &Photo, refused: Option<&String>) -
                 Some(_) => "a trunk was found",
                 None => "no trunk shows",
             };
-            let labelled = labelled(&entry.provenance);
+            let labelled = labelled(&entry.provenance, studio.model_name());
             format!(
                 "{}\nCrown and trunk were told apart by {labelled}: {trunk}.\nThe crown is {:.0} % dense. Dots are the pins: foot and tops of the trunk.\nClick to take it in or leave it out; drag it to a colour well; right-click sets the pins.",
                 photo.name,
@@ -268,11 +269,15 @@ fn told(studio: &Studio, id: PhotoId, photo: &Photo, refused: Option<&String>) -
 }
 
 /// Who told crown and trunk apart, in a sentence's words.
-fn labelled(provenance: &Provenance) -> String {
+fn labelled(provenance: &Provenance, model: Option<&str>) -> String {
     let reason = provenance.reason.as_ref();
     match (provenance.source, provenance.confidence) {
         (Source::Learned, Some(confidence)) => {
-            format!("the learned segmenter ({:.0} % sure)", 100.0 * confidence)
+            let who = match model {
+                Some(name) => format!("the model {name}"),
+                None => "the learned segmenter".to_owned(),
+            };
+            format!("{who} ({:.0} % sure)", 100.0 * confidence)
         }
         (source, _) => match reason {
             Some(reason) => format!("the {source} segmenter ({reason})"),

@@ -12,6 +12,7 @@
 //! are grass or doubt: trunk.
 
 use super::super::{Classical, Label, Labels, SegmentError, Segmenter as _};
+use super::again::TREE;
 use super::guided::PLANES;
 use super::likelihood::{CROWN, TRUNK};
 use crate::base::Cancel;
@@ -87,7 +88,7 @@ pub(super) fn labelled(
         opaque
     } else {
         main_pieces(&both(&opaque, likelihoods, |own| {
-            own[TRUNK] + own[CROWN] > 0.5
+            own[TRUNK] + own[CROWN] > TREE
         }))
     };
     let rules = Classical.segment(&cut_out(picture, crop, &tree), cancel)?;

@@ -6,16 +6,19 @@ mod crown;
 mod exemplars;
 mod field;
 mod gallery;
+mod gallery_breed;
 mod gallery_large;
 mod gallery_tile;
 mod icon;
 mod jobs;
+mod library_map;
 mod mix;
 mod outline;
 mod pictures;
 mod pin_editor;
 mod profile;
 pub(super) mod screen;
+mod season;
 mod textures;
 mod variation;
 mod view;
@@ -36,6 +39,7 @@ pub(super) struct Panels {
     exemplars: exemplars::Exemplars,
     gallery: gallery::Gallery,
     mix: mix::Mix,
+    library_map: library_map::LibraryMap,
     variation: variation::Variation,
 }
 
@@ -49,6 +53,7 @@ impl Panels {
             exemplars: exemplars::Exemplars::default(),
             gallery: gallery::Gallery::default(),
             mix: mix::Mix::default(),
+            library_map: library_map::LibraryMap::default(),
             variation: variation::Variation::default(),
         }
     }
@@ -68,6 +73,7 @@ impl Panels {
             Pane::Exemplars => self.exemplars.show(ui, studio, actions),
             Pane::Gallery => self.gallery.show(ui, studio, actions),
             Pane::Mix => self.mix.show(ui, studio, actions),
+            Pane::Map => self.library_map.show(ui, studio, actions),
             Pane::Variation => self.variation.show(ui, studio, actions),
             Pane::Jobs => jobs::show(ui, studio, actions),
         }

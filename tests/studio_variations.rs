@@ -303,6 +303,36 @@ fn choose(window: &mut Window, label: &str, is_more: bool) {
     }
 }
 
+/// A batch makes the trees of the gallery, three, and one of them comes from its record again.
+fn a_batch_of_the_gallery_is_made_again(window: &mut Window, folder: &Path) {
+    let ours = folder.join("bred");
+    let batch = BatchSettings {
+        which: Which::Gallery,
+        folder: ours.clone(),
+        size: 128,
+        has_sheet: false,
+        ..BatchSettings::default()
+    };
+    act(window, Action::Vary(VaryAction::Make(Box::new(batch))));
+    wait(window, |studio| {
+        let mut notices = studio.notices().iter();
+        notices.any(|notice| notice.text.starts_with("Made 3 trees"))
+    });
+    let again = folder.join("again");
+    let of_tree = format!("{}#tree_0001", ours.join("library.json").display());
+    let vary: [&std::ffi::OsStr; 6] = [
+        "vary".as_ref(),
+        "--recipe".as_ref(),
+        of_tree.as_ref(),
+        "--no-cache".as_ref(),
+        "--out".as_ref(),
+        again.as_os_str(),
+    ];
+    boscage(&vary);
+    let [ours, again] = [ours, again].map(|at| std::fs::read(at.join("tree_0001.png")).unwrap());
+    assert!(ours == again);
+}
+
 #[test]
 fn chosen_trees_are_scored_and_bred_and_every_generation_comes_back() {
     let (mut window, folder) = gallery_of(3);
@@ -371,34 +401,7 @@ fn chosen_trees_are_scored_and_bred_and_every_generation_comes_back() {
     wait(&mut window, |studio| studio.missing_trees() == Some(0));
     assert_eq!(pictures(&window), grandchildren);
 
-    // A batch makes the gallery's trees, and each from its record again.
-    let ours = folder.path().join("bred");
-    let batch = BatchSettings {
-        which: Which::Gallery,
-        folder: ours.clone(),
-        size: 128,
-        has_sheet: false,
-        ..BatchSettings::default()
-    };
-    act(&mut window, Action::Vary(VaryAction::Make(Box::new(batch))));
-    wait(&mut window, |studio| {
-        let mut notices = studio.notices().iter();
-        notices.any(|notice| notice.text.starts_with("Made 3 trees"))
-    });
-    let again = folder.path().join("again");
-    let of_tree = format!("{}#tree_0001", ours.join("library.json").display());
-    let vary: [&std::ffi::OsStr; 6] = [
-        "vary".as_ref(),
-        "--recipe".as_ref(),
-        of_tree.as_ref(),
-        "--no-cache".as_ref(),
-        "--out".as_ref(),
-        again.as_os_str(),
-    ];
-    boscage(&vary);
-    let [ours, again] = [ours, again].map(|at| std::fs::read(at.join("tree_0001.png")).unwrap());
-    assert!(ours == again);
-
+    a_batch_of_the_gallery_is_made_again(&mut window, folder.path());
     for _ in 0..2 {
         window.get_by_label("Back to Parents").click();
         window.step();

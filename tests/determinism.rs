@@ -24,7 +24,7 @@ const TREES: [&str; 4] = ["oak_01", "pine_01", "birch_01", "maple_03"];
 
 /// What is run, one after the other; results of one are inputs of others. The first word is the name
 /// in the table and where the results go, with the ending that it has.
-const COMMANDS: [&str; 21] = [
+const COMMANDS: [&str; 24] = [
     "labels segment trees/a.png trees/b.png --segmenter classical",
     "inspected inspect trees/a.png --size 256 --dump inspected",
     "warped.png warp trees/a.png --from from.json --to to.json --size 160 200",
@@ -33,6 +33,9 @@ const COMMANDS: [&str; 21] = [
     "new vary --library trees --size 128 --count 4 --maps labels,normal,depth,ao,translucency",
     "blended vary --library trees --size 128 --count 2 --target trees/b.png --colors blend --mix 3",
     "like vary --library trees --size 128 --count 2 --like trees/c.png --sheet like/sheet.png",
+    "crowns vary --library trees --size 128 --count 1 --crowns --crown-size 32",
+    "bred vary --parents new/library.json#tree_0000 new/library.json#tree_0001 --library trees --count 2",
+    "turned season trees/a.png --season autumn --snow 0.3 --segmenter classical",
     "morph morph trees/a.png trees/b.png --steps 3 --size 128",
     "table.png table --library trees --kind contours",
     "body.obj inflate mask.png --k 1+2*j --size 64",

@@ -291,6 +291,169 @@ fn favourites_stay_and_siblings_are_made_of_the_same_exemplars() {
     assert_eq!(window.state().studio().document().digest(), digest);
 }
 
+/// Clicks the tree with this label, with Ctrl held if it is one more.
+fn choose(window: &mut Window, label: &str, is_more: bool) {
+    let modifiers = match is_more {
+        true => egui::Modifiers::COMMAND,
+        false => egui::Modifiers::NONE,
+    };
+    window.get_by_label(label).click_modifiers(modifiers);
+    for _ in 0..3 {
+        window.step();
+    }
+}
+
+/// A batch makes the trees of the gallery, three, and one of them comes from its record again.
+fn a_batch_of_the_gallery_is_made_again(window: &mut Window, folder: &Path) {
+    let ours = folder.join("bred");
+    let batch = BatchSettings {
+        which: Which::Gallery,
+        folder: ours.clone(),
+        size: 128,
+        has_sheet: false,
+        ..BatchSettings::default()
+    };
+    act(window, Action::Vary(VaryAction::Make(Box::new(batch))));
+    wait(window, |studio| {
+        let mut notices = studio.notices().iter();
+        notices.any(|notice| notice.text.starts_with("Made 3 trees"))
+    });
+    let again = folder.join("again");
+    let of_tree = format!("{}#tree_0001", ours.join("library.json").display());
+    let vary: [&std::ffi::OsStr; 6] = [
+        "vary".as_ref(),
+        "--recipe".as_ref(),
+        of_tree.as_ref(),
+        "--no-cache".as_ref(),
+        "--out".as_ref(),
+        again.as_os_str(),
+    ];
+    boscage(&vary);
+    let [ours, again] = [ours, again].map(|at| std::fs::read(at.join("tree_0001.png")).unwrap());
+    assert!(ours == again);
+}
+
+#[test]
+fn chosen_trees_are_scored_and_bred_and_every_generation_comes_back() {
+    let (mut window, folder) = gallery_of(3);
+    // The tour stands in the way.
+    window.get_by_label("Skip").click();
+    window.step();
+    let first = window.state().studio().document().digest();
+    let seeds = window.state().studio().gallery_seeds();
+    let pictures = |window: &Window| -> Vec<_> {
+        let studio = window.state().studio();
+        (0..3)
+            .map(|index| studio.gallery_picture(index).cloned())
+            .collect()
+    };
+    let before = pictures(&window);
+    choose(&mut window, "Tree 1", false);
+    choose(&mut window, "Tree 3", true);
+    wait(&mut window, |studio| studio.selection_score().is_some());
+    let (score, worst) = window.state().studio().selection_score().unwrap();
+    assert!((0.0..1.0).contains(&score), "{score}");
+    assert_eq!(worst, Some([0, 2]));
+    // To look at a selection changes nothing.
+    assert_eq!(window.state().studio().document().digest(), first);
+
+    window.get_by_label("Keep outline").click();
+    window.step();
+    window.get_by_label("Breed Next Generation").click();
+    window.step();
+    wait(&mut window, |studio| studio.missing_trees() == Some(0));
+    let second = window.state().studio().document().digest();
+    let lineage = settings(&window).lineage;
+    assert_eq!((lineage.len(), lineage[0].parents.len()), (1, 2));
+    assert!(
+        lineage[0]
+            .locks
+            .contains(&boscage::variation::Aspect::Contour)
+    );
+    assert!(window.query_by_label("Parent 2").is_some());
+    let children = pictures(&window);
+    assert!(children.iter().all(|child| !before.contains(child)));
+    window.check_accessibility();
+
+    // A child and a parent have children, too.
+    choose(&mut window, "Tree 2", false);
+    choose(&mut window, "Parent 1", true);
+    window.get_by_label("Breed Next Generation").click();
+    window.step();
+    wait(&mut window, |studio| studio.missing_trees() == Some(0));
+    assert_eq!(settings(&window).lineage.len(), 2);
+    let third = window.state().studio().document().digest();
+    let grandchildren = pictures(&window);
+    for (digest, is_undo) in [
+        (second, true),
+        (first, true),
+        (second, false),
+        (third, false),
+    ] {
+        let command = if is_undo {
+            Command::Undo
+        } else {
+            Command::Redo
+        };
+        act(&mut window, Action::Do(command));
+        assert_eq!(window.state().studio().document().digest(), digest);
+    }
+    wait(&mut window, |studio| studio.missing_trees() == Some(0));
+    assert_eq!(pictures(&window), grandchildren);
+
+    a_batch_of_the_gallery_is_made_again(&mut window, folder.path());
+    for _ in 0..2 {
+        window.get_by_label("Back to Parents").click();
+        window.step();
+        window.step();
+    }
+    assert_eq!(window.state().studio().gallery_seeds(), seeds);
+    assert_eq!(settings(&window).lineage.len(), 0);
+    wait(&mut window, |studio| studio.missing_trees() == Some(0));
+    assert_eq!(pictures(&window), before);
+}
+
+#[test]
+fn seasons_are_chosen_by_their_looks_and_chance_walks_or_does_not() {
+    let (mut window, _folder) = gallery_of(1);
+    let digest = window.state().studio().document().digest();
+    let before = window.state().studio().gallery_picture(0).cloned().unwrap();
+    window.get_by_label("Season winter").click();
+    window.step();
+    window.step();
+    wait(&mut window, |studio| studio.missing_trees() == Some(0));
+    let season = settings(&window).season.unwrap();
+    assert_eq!(season.settings.season, boscage::variation::Season::Winter);
+    let seen = |image: &boscage::raster::Image<boscage::raster::Straight>| {
+        let pixels = image.pixels().iter();
+        pixels.filter(|pixel| pixel.alpha() > 128).count()
+    };
+    let bare = window.state().studio().gallery_picture(0).unwrap();
+    assert!(seen(bare) < seen(&before) * 4 / 5, "no leaf has fallen");
+    window.get_by_label("Season as it is").click();
+    window.step();
+    assert_eq!(settings(&window).season, None);
+    assert_eq!(window.state().studio().document().digest(), digest);
+
+    // The map of the library stands beside the mix.
+    window.get_by_label("Map").click();
+    for _ in 0..4 {
+        window.step();
+    }
+    assert!(
+        window
+            .query_by_label("Map of trees that go together")
+            .is_some()
+    );
+    window.check_accessibility();
+    window.get_by_label("Any Pair").click();
+    window.step();
+    window.step();
+    assert!(!settings(&window).walks);
+    act(&mut window, Action::Do(Command::Undo));
+    assert!(settings(&window).walks);
+}
+
 #[test]
 fn a_drag_on_the_map_is_one_step_that_mixes() {
     let (mut window, _folder) = gallery_of(1);

@@ -295,6 +295,288 @@ fn variations_of_a_target_go_as_far_as_asked() {
     );
 }
 
+/// The record of the folder `out`.
+fn record(folder: &Path, out: &str) -> Value {
+    let file = folder.join(out).join("library.json");
+    serde_json::from_slice(&fs::read(file).unwrap()).unwrap()
+}
+
+#[test]
+fn each_tree_gets_a_crown_that_is_drawn_and_exported() {
+    let folder = tempfile::tempdir().unwrap();
+    library(folder.path());
+    let crowns = ["--count", "2", "--crowns", "--crown-size", "32"];
+    let run = |extra: &[&str]| vary(folder.path(), &[&crowns, extra].concat());
+    let made = run(&["--out", "new"]);
+    assert!(made.status.success(), "{made:?}");
+    let new = folder.path().join("new");
+    assert_eq!(
+        record(folder.path(), "new")["trees"][1]["crown"],
+        serde_json::json!({"folder": "crowns/tree_0001", "size": 32})
+    );
+    assert!(new.join("tree_0000.normal.png").is_file());
+    let of = |out: &str| files(&folder.path().join(out).join("crowns/tree_0001"));
+    let crown = of("new");
+    assert!(crown.iter().any(|(name, _)| name == "crown.json"));
+    assert!(crown.iter().any(|(name, _)| name == "radius_py.png"));
+
+    // Shards, threads and a recipe give the same bytes; what was lost comes back.
+    for shard in ["1/2", "0/2"] {
+        assert!(
+            run(&["--shard", shard, "--threads", "1", "--out", "shards"])
+                .status
+                .success()
+        );
+    }
+    assert!(of("shards") == crown);
+    let recipe = [
+        "vary",
+        "--recipe",
+        "new/library.json#tree_0001",
+        "--out",
+        "again",
+    ];
+    assert!(boscage(folder.path(), &recipe).status.success());
+    assert!(of("again") == crown);
+    fs::remove_file(new.join("crowns/tree_0001/radius_py.png")).unwrap();
+    let picture = fs::metadata(new.join("tree_0001.png")).unwrap().modified();
+    assert_eq!(run(&["--out", "new"]).status.code(), Some(2));
+    assert!(run(&["--resume", "--out", "new"]).status.success());
+    assert!(of("new") == crown);
+    let kept = fs::metadata(new.join("tree_0001.png")).unwrap().modified();
+    assert_eq!(picture.unwrap(), kept.unwrap());
+
+    let drawn = boscage(
+        folder.path(),
+        &[
+            "render",
+            "new/crowns/tree_0001",
+            "--backend",
+            "cpu",
+            "--samples",
+            "1",
+            "--size",
+            "48",
+            "48",
+            "--yaw",
+            "90",
+            "--out",
+            "side.png",
+        ],
+    );
+    assert!(drawn.status.success(), "{drawn:?}");
+    let exported = boscage(
+        folder.path(),
+        &[
+            "export",
+            "new/crowns",
+            "--preset",
+            "blender",
+            "--no-impostors",
+            "--out",
+            "engine",
+        ],
+    );
+    assert!(exported.status.success(), "{exported:?}");
+    let engine = record(folder.path(), "engine");
+    assert_eq!(engine["crowns"].as_array().unwrap().len(), 2);
+    assert!(engine["crowns"][0]["recipe"]["tree"]["exemplars"].is_array());
+}
+
+/// The exemplars of a recorded tree with their shares of its outline, by name.
+fn shares_of(tree: &Value) -> Vec<(String, f64)> {
+    let parts = tree["exemplars"].as_array().unwrap().iter();
+    let weights = tree["contour_weights"].as_array().unwrap();
+    let mut shares: Vec<(String, f64)> = parts
+        .zip(weights)
+        .map(|(part, weight)| (part["file"].to_string(), weight.as_f64().unwrap()))
+        .filter(|(_, weight)| *weight > 0.0)
+        .collect();
+    shares.sort_by(|a, b| a.0.cmp(&b.0));
+    shares
+}
+
+#[test]
+fn trees_are_bred_from_trees_and_keep_what_is_locked() {
+    let folder = tempfile::tempdir().unwrap();
+    library(folder.path());
+    assert!(
+        vary(folder.path(), &["--count", "4", "--out", "new"])
+            .status
+            .success()
+    );
+    let breed = |extra: &[&str]| {
+        let parents = [
+            "vary",
+            "--library",
+            "library",
+            "--parents",
+            "new/library.json#tree_0000",
+            "new/library.json#tree_0002",
+            "--count",
+            "3",
+        ];
+        boscage(folder.path(), &[&parents, extra].concat())
+    };
+    let made = breed(&["--lock", "contour,hue", "--out", "next"]);
+    assert!(made.status.success(), "{made:?}");
+    let parents = record(folder.path(), "new");
+    let contours = [0, 2].map(|index| shares_of(&parents["trees"][index]));
+    let next = record(folder.path(), "next");
+    for tree in next["trees"].as_array().unwrap() {
+        assert!(contours.contains(&shares_of(tree)), "{tree}");
+        assert!(tree["shift"].is_null(), "the hue is locked");
+        assert_eq!(tree["parents"].as_array().unwrap().len(), 2);
+        assert_eq!(tree["size"], serde_json::json!([128, 128]));
+    }
+    assert!(
+        breed(&["--threads", "1", "--lock", "contour,hue", "--out", "one"])
+            .status
+            .success()
+    );
+    let pictures = |out: &str| files(&folder.path().join(out));
+    assert!(pictures("next") == pictures("one"));
+    let again = [
+        "vary",
+        "--recipe",
+        "next/library.json#tree_0001",
+        "--out",
+        "again",
+    ];
+    assert!(boscage(folder.path(), &again).status.success());
+    let read = |out: &str| fs::read(folder.path().join(out).join("tree_0001.png")).unwrap();
+    assert!(read("next") == read("again"));
+
+    // Without locks hues move, and later generations go on from there.
+    assert!(breed(&["--out", "free"]).status.success());
+    assert!(record(folder.path(), "free")["trees"][0]["shift"]["hue"].is_number());
+    assert!(
+        breed(&["--generation", "3", "--out", "later"])
+            .status
+            .success()
+    );
+    assert!(read("free") != read("later"));
+    // Children may be parents, also without a library: then only exemplars of parents are used.
+    let on = [
+        "vary",
+        "--parents",
+        "free/library.json#tree_0000",
+        "--count",
+        "1",
+        "--out",
+        "on",
+    ];
+    let on = boscage(folder.path(), &on);
+    assert!(on.status.success(), "{on:?}");
+
+    let missing = ["vary", "--parents", "new/library.json#tree_9", "--out", "x"];
+    assert_eq!(boscage(folder.path(), &missing).status.code(), Some(2));
+    fs::write(folder.path().join("library/0.png"), tree(61, 150)).unwrap();
+    fs::write(folder.path().join("library/1.png"), tree(71, 150)).unwrap();
+    fs::write(folder.path().join("library/2.png"), tree(81, 150)).unwrap();
+    fs::write(folder.path().join("library/3.png"), tree(77, 150)).unwrap();
+    let changed = breed(&["--out", "x"]);
+    assert_eq!(changed.status.code(), Some(2), "{changed:?}");
+    assert!(!folder.path().join("x").exists());
+}
+
+#[test]
+fn copies_repeat_and_the_pair_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let row = folder.path().join("row");
+    fs::create_dir(&row).unwrap();
+    fs::write(row.join("a.png"), tree(60, 150)).unwrap();
+    fs::write(row.join("b.png"), tree(90, 180)).unwrap();
+    fs::write(row.join("c.png"), tree(60, 150)).unwrap();
+    let score = |arguments: &[&str]| boscage(folder.path(), &[&["score"], arguments].concat());
+    let made = score(&[
+        "row",
+        "--json",
+        "--against",
+        "row/a.png",
+        "--sheet",
+        "sheet.png",
+    ]);
+    assert!(made.status.success(), "{made:?}");
+    let answer: Value = serde_json::from_slice(&made.stdout).unwrap();
+    assert_eq!(answer["trees"], 3);
+    let pair = &answer["row"]["pairs"][0];
+    assert_eq!((&pair["a"], &pair["b"]), (&"a.png".into(), &"c.png".into()));
+    assert!(pair["score"].as_f64().unwrap() > 0.99);
+    let row = answer["row"]["score"].as_f64().unwrap();
+    assert!((0.6..=1.0).contains(&row), "{row}");
+    assert!(answer["copies"]["row"].as_f64().unwrap() > 0.99);
+    assert!(answer["jittered"]["row"].as_f64().unwrap() > 0.9);
+    assert!(folder.path().join("sheet.png").is_file());
+    let told = score(&["row"]);
+    let told = String::from_utf8(told.stdout).unwrap();
+    assert!(
+        told.contains("most alike in the row: a.png and c.png"),
+        "{told}"
+    );
+    assert_eq!(score(&["row", "nowhere.png"]).status.code(), Some(2));
+    assert_eq!(
+        score(&["row", "--sheet", "sheet.png"]).status.code(),
+        Some(2)
+    );
+}
+
+#[test]
+fn seasons_change_crowns_only_and_not_evergreens() {
+    let folder = tempfile::tempdir().unwrap();
+    library(folder.path());
+    let season = |arguments: &[&str]| boscage(folder.path(), &[&["season"], arguments].concat());
+    let autumn = ["library", "--season", "autumn", "--season-amount", "0.9"];
+    for (out, threads) in [("one", "1"), ("two", "2")] {
+        let run = season(&[&autumn[..], &["--threads", threads, "--out", out]].concat());
+        assert!(run.status.success(), "{run:?}");
+    }
+    assert!(files(&folder.path().join("one")) == files(&folder.path().join("two")));
+    let kept = season(&[&autumn[..], &["--evergreen", "yes", "--out", "green"]].concat());
+    assert!(kept.status.success());
+    let read = |path: &str| {
+        let path = folder.path().join(path);
+        boscage::raster::read_image(&path, boscage::raster::ReadLimits::default()).unwrap()
+    };
+    let (before, turned) = (read("library/0.png"), read("one/0.png"));
+    assert_eq!(read("green/0.png"), before);
+    let changed = |rows: std::ops::Range<u32>| {
+        let places = rows.flat_map(|y| (0..60).map(move |x| (x, y)));
+        let seen = places.filter(|&(x, y)| before.at(x, y).alpha() > 0);
+        let far = |(x, y): &(u32, u32)| {
+            let (a, b) = (before.at(*x, *y).0, turned.at(*x, *y).0);
+            a[0].abs_diff(b[0]).max(a[1].abs_diff(b[1])) > 16
+        };
+        let seen: Vec<(u32, u32)> = seen.collect();
+        seen.iter().filter(|place| far(place)).count() as f64 / seen.len() as f64
+    };
+    assert!(changed(0..40) > 0.6, "{}", changed(0..40));
+    assert_eq!(changed(74..96), 0.0, "the trunk turned");
+    for bad in [
+        &["library", "--out", "x"][..],
+        &[
+            "library",
+            "--season",
+            "autumn",
+            "--season-amount",
+            "1.5",
+            "--out",
+            "x",
+        ],
+        &["nowhere", "--season", "winter", "--out", "x"],
+    ] {
+        assert_eq!(season(bad).status.code(), Some(2), "{bad:?}");
+    }
+    let resumed = season(&[&autumn[..], &["--resume", "--out", "one"]].concat());
+    assert!(resumed.status.success());
+    assert_eq!(
+        season(&[&autumn[..], &["--out", "one"]].concat())
+            .status
+            .code(),
+        Some(2)
+    );
+}
+
 #[test]
 fn what_is_there_is_refused_kept_or_replaced() {
     let folder = tempfile::tempdir().unwrap();

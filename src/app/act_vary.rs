@@ -6,9 +6,11 @@ use super::commands::Command;
 use super::studio::{Effect, Severity, Studio, Workspace};
 use super::vary::{Cell, Tile};
 use crate::base::Digest;
-use crate::document::{Edit, ExemplarWeight, Favourite, PhotoId, VariationSettings};
-use crate::pipeline::favourite_of;
+use crate::document::{Edit, ExemplarWeight, Favourite, Generation, PhotoId, VariationSettings};
+use crate::pipeline::{GalleryTree, favourite_of};
 use crate::raster::{Image, Straight};
+use crate::variation::Aspect;
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 /// Most favourites' numbers that are tried for a name.
@@ -31,6 +33,12 @@ pub enum VaryAction {
     MoreLike(Option<Digest>),
     /// Takes a tree's shares into the mix.
     TakeMix(Digest),
+    /// Fills the gallery with children of these trees, which have the locked aspects from one of them.
+    Breed(Vec<Digest>, BTreeSet<Aspect>),
+    /// Shows again what the parents of the gallery's trees were chosen from.
+    BackToParents,
+    /// Finds how much these trees repeat each other.
+    Score(Vec<Digest>),
     /// Shows a tree large; `None` closes it.
     Enlarge(Option<Digest>),
     /// Goes on with exemplars or a gallery that were cancelled.
@@ -60,6 +68,9 @@ impl Studio {
             }
             VaryAction::MoreLike(key) => self.more_like(key),
             VaryAction::TakeMix(key) => self.take_mix(key),
+            VaryAction::Breed(keys, locks) => self.breed(&keys, locks),
+            VaryAction::BackToParents => self.back_to_parents(),
+            VaryAction::Score(keys) => self.score(keys),
             VaryAction::Enlarge(None) => self.vary.large = None,
             VaryAction::Enlarge(Some(key)) => {
                 if let Some(cell) = self.vary.cell(key).cloned() {
@@ -87,6 +98,19 @@ impl Studio {
     pub fn missing_trees(&self) -> Option<usize> {
         self.vary.prepared.as_ref()?;
         Some(self.vary.missing_count())
+    }
+
+    /// What is known of how much the selected trees repeat each other: the score, and the two of the
+    /// gallery that are most alike.
+    pub fn selection_score(&self) -> Option<(f64, Option<[usize; 2]>)> {
+        let scored = self.vary.score.as_ref()?;
+        let index = |at: usize| {
+            let mut all = self.vary.gallery.iter();
+            all.position(|cell| cell.key == scored.keys[at])
+        };
+        let worst = scored.repetition.pairs.first();
+        let worst = worst.and_then(|pair| Some([index(pair.first)?, index(pair.second)?]));
+        Some((scored.repetition.score, worst))
     }
 
     /// The picture of the gallery's tree `index` as it is shown, once it was made.
@@ -190,7 +214,41 @@ impl Studio {
         let (cell, tile) = self.made_tree(key)?;
         let photos = &self.vary.prepared.as_ref()?.photos;
         let photo = |index: usize| photos[index];
-        Some(favourite_of(name, cell.seed, &tile.parts, cell.like, photo))
+        // A favourite is what it was kept as, whatever its genome has become.
+        match &cell.tree {
+            GalleryTree::Kept(genome) => Some(favourite_of(name, genome, photo)),
+            _ => Some(favourite_of(name, &tile.genome, photo)),
+        }
+    }
+
+    fn breed(&mut self, keys: &[Digest], locks: BTreeSet<Aspect>) {
+        let parents = keys
+            .iter()
+            .filter_map(|key| self.favourite(*key, String::new()));
+        let parents: Vec<Favourite> = parents.collect();
+        if parents.is_empty() {
+            self.notify(Severity::Info, "Choose one or several trees to breed from.");
+            return;
+        }
+        self.vary_settings("Breed Next Generation", Gesture::Whole, |settings| {
+            settings.lineage.push(Generation {
+                parents,
+                locks,
+                seed: settings.seed,
+                locked: std::mem::take(&mut settings.locked),
+            });
+            settings.around = None;
+            settings.seed = settings.seed.wrapping_add(1);
+        });
+    }
+
+    fn back_to_parents(&mut self) {
+        self.vary_settings("Back to Parents", Gesture::Whole, |settings| {
+            if let Some(last) = settings.lineage.pop() {
+                (settings.seed, settings.locked) = (last.seed, last.locked);
+                settings.around = None;
+            }
+        });
     }
 
     fn keep(&mut self, key: Digest) {
@@ -201,13 +259,10 @@ impl Studio {
         let Some(kept) = self.favourite(key, name.unwrap_or_default()) else {
             return;
         };
-        let is_same = |known: &Favourite| {
-            known.seed == kept.seed
-                && known.exemplars == kept.exemplars
-                && known.color_weights == kept.color_weights
-                && known.like == kept.like
-        };
-        let at = settings.favourites.iter().position(is_same);
+        let at = settings
+            .favourites
+            .iter()
+            .position(|known| known.is_tree_of(&kept));
         let label = at.map_or("Keep Tree", |_| "Drop Favourite");
         self.vary_settings(label, Gesture::Whole, |settings| match at {
             Some(at) => drop(settings.favourites.remove(at)),
@@ -255,11 +310,6 @@ impl Studio {
     pub(super) fn favourite_index(&self, cell: &Cell) -> Option<usize> {
         let kept = self.favourite(cell.key, String::new())?;
         let favourites = &self.document.state().content().variation.favourites;
-        favourites.iter().position(|known| {
-            known.seed == kept.seed
-                && known.exemplars == kept.exemplars
-                && known.color_weights == kept.color_weights
-                && known.like == kept.like
-        })
+        favourites.iter().position(|known| known.is_tree_of(&kept))
     }
 }

@@ -4,19 +4,19 @@
 use super::outcome::Outcome;
 use super::studio::{Severity, Studio};
 use super::vary_jobs::VaryOutcome;
-use crate::base::{Progress, Seed, with_threads};
+use crate::base::{Progress, with_threads};
 use crate::batch::export::{Export, ExportSettings};
 use crate::batch::export_crown::CrownExportSettings;
 use crate::batch::export_tree::{BlockName, ModelTextures};
 use crate::batch::failure::Failure;
 use crate::batch::output::{Output, Policy};
 use crate::batch::run::{Run, Shard};
-use crate::batch::vary::{PlannedTree, Trees, Vary};
+use crate::batch::vary::{Plan, Trees, Vary};
 use crate::batch::{ExportMap, ImpostorName, LeafName, MapName, TextureForm};
 use crate::document::PhotoId;
 use crate::export::{LicenseRecord, Preset, SpriteSettings, WindChannels};
 use crate::jobs::{Context, JobError, Priority, Request, Topic};
-use crate::pipeline::choice_settings;
+use crate::pipeline::{GalleryTree, choice_settings};
 use crate::raster::{Image, Straight};
 use crate::segment::Auto;
 use crate::variation::{ExemplarSettings, LibraryPicture};
@@ -68,6 +68,8 @@ pub struct BatchSettings {
     pub maps: BTreeSet<MapName>,
     /// Whether all trees are also drawn on one sheet.
     pub has_sheet: bool,
+    /// Texels along a face of the crowns that trees are also inflated to, if they are.
+    pub crowns: Option<u32>,
     /// Whether files that are there are written over; else what is done stays.
     pub replaces: bool,
     /// The export of the trees, if they are not only pictures.
@@ -109,6 +111,7 @@ impl Default for BatchSettings {
             size: ExemplarSettings::default().size,
             maps: BTreeSet::new(),
             has_sheet: true,
+            crowns: None,
             replaces: false,
             export: None,
         }
@@ -250,15 +253,12 @@ impl Studio {
             Which::Gallery => self.vary.gallery.clone(),
             Which::Favourites => self.vary.favourites.clone(),
         };
-        let mut likes: Vec<PhotoId> = cells.iter().filter_map(|cell| cell.like).collect();
-        likes.sort();
+        let trees: Vec<GalleryTree> = cells.into_iter().map(|cell| cell.tree).collect();
+        let mut likes: Vec<usize> = trees.iter().flat_map(GalleryTree::likes).collect();
+        likes.extend(self.vary.wishes.like);
+        likes.sort_unstable();
         likes.dedup();
-        let like = |of: PhotoId| likes.iter().position(|like| *like == of);
-        let planned = cells.iter().map(|cell| PlannedTree {
-            seed: Seed(cell.seed),
-            tree: cell.tree.clone(),
-            like: cell.like.and_then(like),
-        });
+        let mut like_photos: Vec<PhotoId> = likes.iter().map(|at| prepared.photos[*at]).collect();
         let (trees, photos, has_target) = match settings.which {
             Which::Drawn(count) => {
                 let members = self.vary.pool.members.iter();
@@ -266,16 +266,21 @@ impl Studio {
                 (Trees::Drawn(count), photos, self.vary.pool.has_target)
             }
             _ => {
-                let trees = Trees::Planned(self.vary.pool.clone(), planned.collect());
-                (trees, prepared.photos.clone(), false)
+                let plan = Plan {
+                    pool: self.vary.pool.clone(),
+                    trees,
+                    likes,
+                    like: self.vary.wishes.like,
+                };
+                (Trees::Planned(plan), prepared.photos.clone(), false)
             }
         };
-        let is_empty = matches!(&trees, Trees::Planned(_, trees) if trees.is_empty());
+        let is_empty = matches!(&trees, Trees::Planned(plan) if plan.trees.is_empty());
         if is_empty || photos.is_empty() {
             return None;
         }
         if matches!(settings.which, Which::Drawn(_)) {
-            likes = own.like.into_iter().collect();
+            like_photos = own.like.into_iter().collect();
         }
         let out = settings.out();
         let vary = Vary {
@@ -283,7 +288,7 @@ impl Studio {
             pictures: self.library_pictures(&photos),
             has_target,
             trees,
-            likes: self.library_pictures(&likes),
+            likes: self.library_pictures(&like_photos),
             maps: settings.maps.clone(),
             sheet: settings.has_sheet.then(|| out.join("sheet.png")),
             settings: ExemplarSettings {
@@ -291,7 +296,8 @@ impl Studio {
                 ..ExemplarSettings::default()
             },
             choice: choice_settings(own),
-            season: None,
+            season: own.season,
+            crowns: settings.crowns,
             cache: None,
         };
         let seed = own.seed;

@@ -22,6 +22,8 @@ pub enum Pane {
     Exemplars,
     /// A mix by hand.
     Mix,
+    /// Which exemplars go together.
+    Map,
     /// New trees.
     Gallery,
     /// How new trees are made.
@@ -40,6 +42,7 @@ impl Pane {
             Self::Crown => "Crown",
             Self::Exemplars => "Exemplars",
             Self::Mix => "Mix",
+            Self::Map => "Map",
             Self::Gallery => "Gallery",
             Self::Variation => "Variation",
             Self::Jobs => "Jobs",
@@ -57,7 +60,7 @@ pub(super) struct Layouts {
 
 impl Default for Layouts {
     fn default() -> Self {
-        use Pane::{Canvas, Crown, Exemplars, Gallery, Jobs, Mix, Pictures, Variation, View};
+        use Pane::{Canvas, Crown, Exemplars, Gallery, Jobs, Map, Mix, Pictures, Variation, View};
         Self {
             crown: arranged(
                 "crown",
@@ -73,7 +76,7 @@ impl Default for Layouts {
                 &[
                     (&[&[Exemplars, Pictures]], 0.17),
                     (&[&[Gallery]], 0.53),
-                    (&[&[Mix], &[Variation, Jobs]], 0.30),
+                    (&[&[Mix, Map], &[Variation, Jobs]], 0.30),
                 ],
             ),
             library: arranged("library", &[(&[Pictures], 0.72), (&[Jobs], 0.28)]),

@@ -8,6 +8,7 @@ use super::studio::{Studio, Workspace};
 use super::theme::{GAP, TIGHT, dialog};
 use crate::batch::{ExportMap, ImpostorName, LeafName, MapName, ModelTextures, TextureForm};
 use crate::export::Preset;
+use crate::pipeline::CrownSettings;
 use clap::ValueEnum as _;
 use egui::{Context, DragValue, Ui, vec2};
 use std::path::PathBuf;
@@ -221,6 +222,13 @@ impl MakeDialog {
         row(ui, "", |ui| {
             ui.checkbox(&mut self.settings.has_sheet, "Also draw all on one sheet");
         });
+        row(ui, "", |ui| {
+            let mut is_on = self.settings.crowns.is_some();
+            let help = "Inflates each picture to a crown in three dimensions: some seconds a tree. Export the folder “crowns” for engines.";
+            let toggle = ui.checkbox(&mut is_on, "Also make crowns in 3D");
+            toggle.on_hover_text(help);
+            self.settings.crowns = is_on.then(|| CrownSettings::default().size);
+        });
     }
 
     fn engine(&mut self, ui: &mut Ui) {
@@ -377,6 +385,7 @@ impl MakeDialog {
                         None => self.settings.maps.clone(),
                     },
                     has_sheet: self.settings.has_sheet && !self.is_export,
+                    crowns: self.settings.crowns.filter(|_| !self.is_export),
                     export,
                     ..self.settings.clone()
                 };

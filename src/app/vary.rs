@@ -4,14 +4,18 @@
 //! never stand in the place of a newer one, and undo finds again what was made before.
 
 use crate::base::{Digest, Hasher};
-use crate::document::{ExemplarWeight, PhotoId, VariationSettings};
+use crate::document::{ExemplarWeight, Favourite, PhotoId, VariationSettings};
 use crate::geometry::Point;
-use crate::pipeline::{GalleryTree, Pool, gallery_slots, parts_of_mix};
+use crate::pipeline::{
+    GalleryTree, Pool, Slot, Wishes, brood_of, choice_settings, gallery_slots, genome_of,
+    parts_of_mix,
+};
 use crate::raster::{Image, Straight};
 use crate::variation::{
-    Draft, Drafts, Entry, Library, Palette, Part, Shape, are_of_a_kind, combined_outline,
+    CompatibilityGraph, Draft, Drafts, Entry, Genome, Library, Palette, Part, Repetition,
+    are_of_a_kind,
 };
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 
@@ -32,6 +36,10 @@ pub(super) struct Prepared {
     pub(super) photos: Vec<PhotoId>,
     /// Each exemplar as it was normalised, small.
     pub(super) small: Vec<Arc<Image<Straight>>>,
+    /// Where each exemplar stands on the map, in the unit square: those that go together side by side.
+    pub(super) places: Vec<Point>,
+    /// Which go together.
+    pub(super) graph: CompatibilityGraph,
     /// Pictures that cannot be exemplars, and why.
     pub(super) refused: BTreeMap<PhotoId, String>,
 }
@@ -60,8 +68,6 @@ pub(super) struct Cell {
     pub(super) is_locked: bool,
     /// How it is decided on.
     pub(super) tree: GalleryTree,
-    /// The picture whose histogram it takes.
-    pub(super) like: Option<PhotoId>,
 }
 
 /// A tree that was made.
@@ -69,8 +75,8 @@ pub(super) struct Cell {
 pub(super) struct Tile {
     /// [`TILE_PX`] square.
     pub(super) image: Arc<Image<Straight>>,
-    /// What it was made of.
-    pub(super) parts: Vec<Part>,
+    /// What it was decided by.
+    pub(super) genome: Genome,
     /// Whether its sources are stretched or folded so far that it shows.
     pub(super) is_distorted: bool,
 }
@@ -83,6 +89,17 @@ pub(super) struct Large {
     pub(super) image: Option<Arc<Image<Straight>>>,
 }
 
+/// How much some trees repeat each other.
+#[derive(Debug, Clone)]
+pub(super) struct Scored {
+    /// Which trees; pairs are numbered in this order.
+    pub(super) keys: Vec<Digest>,
+    pub(super) repetition: Repetition,
+}
+
+/// The mixed tree in all seasons: as it is, spring, summer, autumn, winter.
+pub(super) type Seasons = [Arc<Image<Straight>>; 5];
+
 /// The variations of the window.
 #[derive(Default)]
 pub(super) struct Vary {
@@ -91,7 +108,16 @@ pub(super) struct Vary {
     pub(super) asked_for: Option<Digest>,
     pub(super) gallery: Vec<Cell>,
     pub(super) favourites: Vec<Cell>,
+    /// The trees that the gallery's were bred from.
+    pub(super) parents: Vec<Cell>,
     pub(super) pool: Pool,
+    pub(super) wishes: Wishes,
+    /// The trees whose likeness was asked for last, and the answer.
+    pub(super) asked_score: Vec<Digest>,
+    pub(super) score: Option<Scored>,
+    /// The mixed tree in all seasons, and the draft it was.
+    pub(super) seasons: Option<(Digest, Seasons)>,
+    pub(super) asked_seasons: Option<Digest>,
     pub(super) tiles: BTreeMap<Digest, Result<Tile, String>>,
     /// The tree that was last made with a seed, whatever the settings: shown until the new one is
     /// there.
@@ -113,10 +139,24 @@ impl Vary {
         self.tiles.get(&cell.key)
     }
 
-    /// The cell with this key, among the gallery and the favourites.
+    /// All cells: the gallery's, its parents, the favourites.
+    pub(super) fn cells(&self) -> impl Iterator<Item = &Cell> {
+        let kept = self.parents.iter().chain(&self.favourites);
+        self.gallery.iter().chain(kept)
+    }
+
+    /// The cell with this key.
     pub(super) fn cell(&self, key: Digest) -> Option<&Cell> {
-        let mut all = self.gallery.iter().chain(&self.favourites);
-        all.find(|cell| cell.key == key)
+        self.cells().find(|cell| cell.key == key)
+    }
+
+    /// The trees of these keys as they are shown, once all of them were made.
+    pub(super) fn pictures(&self, keys: &[Digest]) -> Option<Vec<Arc<Image<Straight>>>> {
+        let picture = |key: &Digest| {
+            let tile = self.tiles.get(key)?.as_ref().ok()?;
+            Some(Arc::clone(&tile.image))
+        };
+        keys.iter().map(picture).collect()
     }
 
     /// The exemplars of the project with their shares in the mix: those ticked, or all that can be
@@ -154,24 +194,11 @@ impl Vary {
         parts_of_mix(&self.mix(settings), &[], settings.coloring, index)
     }
 
-    /// The combined outline of the mix, and the side of the picture that it lies in, pixels.
-    pub(super) fn mixed_outline(&self, settings: &VariationSettings) -> (Vec<Point>, u32) {
-        let parts = self.mixed_parts(settings).unwrap_or_default();
-        let Some(prepared) = self.prepared.as_ref().filter(|_| !parts.is_empty()) else {
-            return (Vec::new(), 1);
-        };
-        let entries = prepared.library.entries();
-        let shape = |part: &Part| entries[part.exemplar].shape.as_ref();
-        let weighted = |part: &Part| (shape(part), part.contour_weight, part.color_weight);
-        let weighted: Vec<(&Shape, f64, f64)> = parts.iter().map(weighted).collect();
-        let size = entries[parts[0].exemplar].shape.size;
-        (combined_outline(&weighted).points, size)
-    }
-
     /// Lays out gallery and favourites anew.
     pub(super) fn lay_out(&mut self, settings: &VariationSettings) {
         let Some(prepared) = &self.prepared else {
             self.gallery.clear();
+            self.parents.clear();
             self.favourites.clear();
             return;
         };
@@ -183,66 +210,74 @@ impl Vary {
             .filter_map(|part| index(part.photo));
         let mut members: Vec<usize> = members.filter(|member| Some(*member) != target).collect();
         members.extend(target);
-        self.pool = Pool {
+        let pool = Pool {
             members,
             has_target: target.is_some(),
         };
-        let around = settings.around.as_ref().and_then(|kept| {
-            let coloring = settings.coloring;
-            parts_of_mix(&kept.exemplars, &kept.color_weights, coloring, index)
-        });
-        let choice = crate::pipeline::choice_settings(settings);
-        let recipe = format!("{:?} {choice:?} {:?}", self.pool, settings.like);
-        let cell = |seed, is_locked, tree: GalleryTree, like: Option<PhotoId>| {
-            let told = match &tree {
-                GalleryTree::Drawn(_) => format!("{recipe} {tree:?}"),
-                _ => format!("{like:?} {tree:?}"),
-            };
-            let key = Hasher::new("gallery tree")
-                .with(prepared.stamp.bytes())
-                .with(told.as_bytes())
-                .finish();
+        let wishes = Wishes {
+            choice: choice_settings(settings),
+            like: settings.like.and_then(index),
+            season: settings.season,
+        };
+        let laid_out = Layout {
+            stamp: prepared.stamp,
+            pool: &pool,
+            wishes: &wishes,
+        };
+        let genome = |kept: &Favourite| genome_of(kept, settings.coloring, index).map(Arc::new);
+        let around = settings.around.as_ref().and_then(genome);
+        let last = settings.lineage.last();
+        let brood = last.and_then(|last| brood_of(last, settings.coloring, index));
+        let brood = brood.map(Arc::new);
+        let kind = |seed| match (&around, &brood) {
+            (Some(genome), _) => GalleryTree::Near(Arc::clone(genome), seed),
+            (None, Some(brood)) => GalleryTree::Bred(Arc::clone(brood), seed),
+            (None, None) => GalleryTree::Drawn(seed),
+        };
+        // What all trees of the gallery share is told once.
+        let told = laid_out.told(&kind(0));
+        let slots = gallery_slots(settings).into_iter();
+        let slots = slots.filter(|_| !pool.members.is_empty());
+        let gallery = slots.map(|slot: Slot| {
+            let key = Hasher::new("gallery tree").with(told.bytes());
             Cell {
-                key,
-                seed,
-                is_locked,
-                tree,
-                like,
+                key: key.with(&slot.seed.to_le_bytes()).finish(),
+                seed: slot.seed,
+                is_locked: slot.is_locked,
+                tree: kind(slot.seed),
             }
-        };
-        let can_draw = !self.pool.members.is_empty();
-        let slots = gallery_slots(settings).into_iter().filter(|_| can_draw);
-        let in_gallery = |slot: crate::pipeline::Slot| {
-            let tree = match &around {
-                Some(parts) => GalleryTree::Near(parts.clone(), slot.seed),
-                None => GalleryTree::Drawn(slot.seed),
-            };
-            cell(slot.seed, slot.is_locked, tree, settings.like)
-        };
-        self.gallery = slots.map(in_gallery).collect();
-        let kept = settings.favourites.iter().filter_map(|kept| {
-            let parts = parts_of_mix(
-                &kept.exemplars,
-                &kept.color_weights,
-                settings.coloring,
-                index,
-            )?;
-            Some(cell(kept.seed, false, GalleryTree::Kept(parts), kept.like))
         });
-        self.favourites = kept.collect();
+        let gallery = gallery.collect();
+        let kept = |kept: &Favourite| {
+            let tree = GalleryTree::Kept(genome(kept)?);
+            Some(Cell {
+                key: laid_out.told(&tree),
+                seed: kept.seed,
+                is_locked: false,
+                tree,
+            })
+        };
+        let favourites = settings.favourites.iter().filter_map(kept).collect();
+        let parents = last.filter(|_| around.is_none());
+        let parents = parents.iter().flat_map(|last| &last.parents);
+        let parents = parents.filter_map(kept).collect();
+        (self.gallery, self.favourites, self.parents) = (gallery, favourites, parents);
+        (self.pool, self.wishes) = (pool, wishes);
     }
 
     /// How many trees are to be made.
     pub(super) fn missing_count(&self) -> usize {
-        let all = self.gallery.iter().chain(&self.favourites);
-        let missing = all.filter(|cell| !self.tiles.contains_key(&cell.key));
+        let missing = self
+            .cells()
+            .filter(|cell| !self.tiles.contains_key(&cell.key));
         missing.count()
     }
 
-    /// Cells whose trees are to be made: the gallery's in order, then favourites.
+    /// Cells whose trees are to be made: the gallery's in order, then those that were kept.
     pub(super) fn missing(&self) -> Vec<Cell> {
-        let all = self.gallery.iter().chain(&self.favourites);
-        let missing = all.filter(|cell| !self.tiles.contains_key(&cell.key));
+        let missing = self
+            .cells()
+            .filter(|cell| !self.tiles.contains_key(&cell.key));
         missing.cloned().collect()
     }
 
@@ -251,12 +286,34 @@ impl Vary {
         self.latest.insert(cell.seed, cell.key);
         self.tiles.insert(cell.key, tile);
         if self.tiles.len() > MOST_TILES {
-            let all = self.gallery.iter().chain(&self.favourites);
-            let shown: std::collections::BTreeSet<Digest> = all.map(|cell| cell.key).collect();
+            let shown: BTreeSet<Digest> = self.cells().map(|cell| cell.key).collect();
             self.tiles.retain(|key, _| shown.contains(key));
             let tiles = &self.tiles;
             self.latest.retain(|_, key| tiles.contains_key(key));
         }
+    }
+}
+
+/// All that decides how a cell's tree looks, besides the cell.
+struct Layout<'a> {
+    stamp: Digest,
+    pool: &'a Pool,
+    wishes: &'a Wishes,
+}
+
+impl Layout<'_> {
+    /// The digest of all that a tree of this kind is made of.
+    fn told(&self, tree: &GalleryTree) -> Digest {
+        let Self { pool, wishes, .. } = self;
+        let (like, season) = (wishes.like, wishes.season);
+        let told = match tree {
+            GalleryTree::Drawn(_) => format!("drawn {pool:?} {wishes:?}"),
+            GalleryTree::Near(genome, _) => format!("near {genome:?} {like:?} {season:?}"),
+            GalleryTree::Bred(brood, _) => format!("bred {brood:?} {:?}", pool.members),
+            GalleryTree::Kept(genome) => format!("kept {genome:?}"),
+        };
+        let stamp = Hasher::new("kind of tree").with(self.stamp.bytes());
+        stamp.with(told.as_bytes()).finish()
     }
 }
 

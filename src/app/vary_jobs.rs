@@ -3,16 +3,17 @@
 use super::outcome::Outcome;
 use super::photos::THUMBNAIL_PX;
 use super::studio::{Severity, Studio, Workspace};
-use super::vary::{Cell, Large, Prepared, TILE_PX, Tile};
-use crate::base::{Cancel, Digest, Hasher};
+use super::vary::{Cell, Large, Prepared, Scored, Seasons, TILE_PX, Tile};
+use crate::base::{Cancel, Digest, Hasher, Seed};
 use crate::document::PhotoId;
 use crate::jobs::{Context, JobError, Priority, Request, Topic};
-use crate::pipeline::{Pool, choice_settings};
+use crate::pipeline::{Pool, Wishes};
 use crate::raster::{Image, Premultiplied, Rect, Straight, resized};
 use crate::segment::{Auto, Segmenter as _};
 use crate::variation::{
-    ChoiceSettings, Chosen, Draft, Drafts, Exemplar, ExemplarSettings, Library, LibraryError,
-    LibraryPicture, Palette, TreeMaker,
+    CompatibilityGraph, Decided, Draft, Drafts, Exemplar, ExemplarSettings, Finish, Library,
+    LibraryError, LibraryPicture, Look, Palette, Repetition, Season, SeasonChoice, SeasonSettings,
+    Shape, Tree, TreeMaker, library_places,
 };
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -25,6 +26,9 @@ pub(super) const EXEMPLARS: &str = "exemplars";
 /// The job that fills the gallery.
 pub(super) const GALLERY: &str = "gallery";
 
+/// Side of the mix in a season, pixels.
+const SEASON_PX: u32 = 192;
+
 /// What these jobs give back.
 pub(super) enum VaryOutcome {
     /// The exemplars.
@@ -35,6 +39,10 @@ pub(super) enum VaryOutcome {
     GalleryIsFull,
     /// The mix that the hand holds; `None` when it cannot be mixed.
     Draft(Digest, Option<Box<Draft>>),
+    /// The mix of this draft in all seasons.
+    Seasons(Digest, Box<Seasons>),
+    /// How much trees repeat each other.
+    Score(Box<Scored>),
     /// A tree at full size.
     Large(Digest, Arc<Image<Straight>>),
     /// The tree that a batch made last.
@@ -83,6 +91,13 @@ impl Studio {
             VaryOutcome::Wrote(told) => self.notify(Severity::Info, told),
             VaryOutcome::Draft(key, draft) => {
                 self.vary.draft = draft.map(|draft| (key, Arc::from(draft)));
+                self.draw_seasons();
+            }
+            VaryOutcome::Seasons(key, seasons) => self.vary.seasons = Some((key, *seasons)),
+            VaryOutcome::Score(score) => {
+                // An older answer says nothing of what is selected now.
+                let is_wanted = score.keys == self.vary.asked_score;
+                self.vary.score = is_wanted.then_some(*score);
             }
             VaryOutcome::Large(key, image) => {
                 if let Some(large) = &mut self.vary.large
@@ -148,7 +163,7 @@ impl Studio {
     fn fill_gallery(&mut self) {
         let missing = self.vary.missing();
         let mut asked = Hasher::new("gallery");
-        for cell in self.vary.gallery.iter().chain(&self.vary.favourites) {
+        for cell in self.vary.cells() {
             asked = asked.with(cell.key.bytes());
         }
         let asked = asked.finish();
@@ -188,9 +203,8 @@ impl Studio {
         Some(GalleryMaker {
             library: Arc::clone(&prepared.library),
             palettes: Arc::clone(&prepared.palettes),
-            photos: prepared.photos.clone(),
             pool: self.vary.pool.clone(),
-            choice: choice_settings(&self.document.state().content().variation),
+            wishes: self.vary.wishes.clone(),
         })
     }
 
@@ -225,6 +239,74 @@ impl Studio {
             Ok(Outcome::Vary(VaryOutcome::Draft(key, draft)))
         };
         let request = Request::new("Mixing", topic("draft"), Priority::Interactive, work);
+        self.jobs.submit(request);
+    }
+
+    /// Shows the mix in all seasons, unless a hand is about to change it.
+    fn draw_seasons(&mut self) {
+        let Some((key, draft)) = &self.vary.draft else {
+            return;
+        };
+        if self.document.is_in_gesture() || self.vary.asked_seasons == Some(*key) {
+            return;
+        }
+        let key = *key;
+        self.vary.asked_seasons = Some(key);
+        let draft = Arc::clone(draft);
+        let work = move |context: &Context<Outcome>| {
+            let tree = small_tree(&draft);
+            let cancel = context.cancel();
+            let put = |season: Option<Season>| -> Result<Arc<Image<Straight>>, JobError> {
+                let mut tree = tree.clone();
+                let season = season.map(|season| SeasonChoice {
+                    settings: SeasonSettings::of(season),
+                    evergreen: None,
+                });
+                let finish = Finish {
+                    season,
+                    ..Finish::default()
+                };
+                finish.put(&mut tree, None, Seed(0), cancel)?;
+                Ok(Arc::new(tree.image))
+            };
+            let seasons: Seasons = [
+                put(None)?,
+                put(Some(Season::Spring))?,
+                put(Some(Season::Summer))?,
+                put(Some(Season::Autumn))?,
+                put(Some(Season::Winter))?,
+            ];
+            let seasons = VaryOutcome::Seasons(key, Box::new(seasons));
+            Ok(Outcome::Vary(seasons))
+        };
+        let request = Request::new("Seasons", topic("seasons"), Priority::Preview, work);
+        self.jobs.submit(request);
+    }
+
+    /// Finds how much the trees of `keys` repeat each other, once all of them were made.
+    pub(super) fn score(&mut self, keys: Vec<Digest>) {
+        self.vary.score = None;
+        let Some(pictures) = self.vary.pictures(&keys) else {
+            return;
+        };
+        self.vary.asked_score.clone_from(&keys);
+        let work = move |context: &Context<Outcome>| {
+            let cancel = context.cancel();
+            let look = |image: &Arc<Image<Straight>>| Look::of(&image.premultiplied(), cancel);
+            let looks = pictures.iter().map(look).collect::<Result<Vec<_>, _>>()?;
+            let looks: Option<Vec<Look>> = looks.into_iter().collect();
+            let clear = || JobError::failed("one of the pictures is clear");
+            let looks = looks.ok_or_else(clear)?;
+            let repetition = Repetition::among(&looks, context.progress(), cancel)?;
+            let score = Box::new(Scored { keys, repetition });
+            Ok(Outcome::Vary(VaryOutcome::Score(score)))
+        };
+        let request = Request::new(
+            "Comparing trees",
+            topic("score"),
+            Priority::Interactive,
+            work,
+        );
         self.jobs.submit(request);
     }
 
@@ -280,6 +362,9 @@ fn prepared(
         let exemplar: Arc<Exemplar> = library.exemplar(index, context.cancel()).map_err(failed)?;
         small.push(Arc::new(reduced(&exemplar.image, THUMBNAIL_PX).straight()));
     }
+    let entries = library.entries().iter();
+    let shapes: Vec<&Shape> = entries.map(|entry| entry.shape.as_ref()).collect();
+    let (places, graph) = (library_places(&shapes), CompatibilityGraph::of(&shapes));
     Ok(Prepared {
         stamp,
         library: Arc::new(library),
@@ -287,6 +372,8 @@ fn prepared(
         palettes: Arc::default(),
         photos,
         small,
+        places,
+        graph,
         refused,
     })
 }
@@ -322,13 +409,12 @@ fn palette(
 struct GalleryMaker {
     library: Arc<Library<'static>>,
     palettes: Arc<Mutex<BTreeMap<usize, Arc<Palette>>>>,
-    photos: Vec<PhotoId>,
     pool: Pool,
-    choice: ChoiceSettings,
+    wishes: Wishes,
 }
 
-/// The makers of a job's trees, for each picture that gives its histogram.
-type Makers<'a> = BTreeMap<Option<PhotoId>, TreeMaker<'a>>;
+/// The makers of a job's trees, for each exemplar that gives its histogram.
+type Makers<'a> = BTreeMap<Option<usize>, TreeMaker<'a>>;
 
 impl GalleryMaker {
     /// The tree of `cell` at full size, and how it was decided.
@@ -337,22 +423,30 @@ impl GalleryMaker {
         makers: &mut Makers<'a>,
         cell: &Cell,
         cancel: &Cancel,
-    ) -> Result<(Image<Straight>, Chosen), JobError> {
-        let chosen = self.pool.chosen(&self.library, &cell.tree, &self.choice);
-        let chosen = chosen.map_err(JobError::failed)?;
-        let maker = match makers.entry(cell.like) {
+    ) -> Result<(Image<Straight>, Decided), JobError> {
+        let decided = self.pool.decided(&self.library, &cell.tree, &self.wishes);
+        let decided = decided.map_err(JobError::failed)?;
+        let genome = &decided.genome;
+        // In a season the picture gives the colours of its leaves.
+        let of_maker = genome.like.filter(|_| genome.finish.season.is_none());
+        let maker = match makers.entry(of_maker) {
             Entry::Occupied(maker) => maker.into_mut(),
-            Entry::Vacant(place) => place.insert(self.maker(cell.like, cancel)?),
+            Entry::Vacant(place) => place.insert(self.maker(of_maker, cancel)?),
         };
-        let tree = maker.make(&chosen, cancel).map_err(failed)?;
-        Ok((tree.image, chosen))
+        let mut tree = maker.make(&decided.chosen, cancel).map_err(failed)?;
+        let like = genome.like.map(|like| self.palette(like, cancel));
+        let like = like.transpose()?;
+        let leaves = like.as_ref().map(|palette| palette.crown());
+        genome.finish.put(&mut tree, leaves, genome.seed, cancel)?;
+        Ok((tree.image, decided))
     }
 
-    fn maker(&self, like: Option<PhotoId>, cancel: &Cancel) -> Result<TreeMaker<'_>, JobError> {
-        let index = |like| self.photos.iter().position(|id| *id == like);
-        let like = like.and_then(index);
-        let like = like.map(|like| palette(&self.library, &self.palettes, like, cancel));
-        let like = like.transpose().map_err(failed)?;
+    fn palette(&self, index: usize, cancel: &Cancel) -> Result<Arc<Palette>, JobError> {
+        palette(&self.library, &self.palettes, index, cancel).map_err(failed)
+    }
+
+    fn maker(&self, like: Option<usize>, cancel: &Cancel) -> Result<TreeMaker<'_>, JobError> {
+        let like = like.map(|like| self.palette(like, cancel)).transpose()?;
         let like = like.map(|like| Palette::clone(&like));
         Ok(TreeMaker::new(&self.library, like))
     }
@@ -363,11 +457,22 @@ impl GalleryMaker {
         cell: &Cell,
         cancel: &Cancel,
     ) -> Result<Tile, JobError> {
-        let (image, chosen) = self.made(makers, cell, cancel)?;
+        let (image, decided) = self.made(makers, cell, cancel)?;
         Ok(Tile {
             image: Arc::new(reduced(&image.premultiplied(), TILE_PX).straight()),
-            is_distorted: !chosen.layout.distortion.is_small(),
-            parts: chosen.parts,
+            is_distorted: !decided.chosen.layout.distortion.is_small(),
+            genome: decided.genome,
         })
+    }
+}
+
+/// A draft at the size of a stamp.
+fn small_tree(draft: &Draft) -> Tree {
+    let nearest = |i: u32| (2 * i + 1) * draft.image.width() / (2 * SEASON_PX);
+    let places = (0..SEASON_PX).flat_map(|y| (0..SEASON_PX).map(move |x| (x, y)));
+    let labels = places.map(|(x, y)| draft.labels.at(nearest(x), nearest(y)));
+    Tree {
+        image: reduced(&draft.image.premultiplied(), SEASON_PX).straight(),
+        labels: Image::from_pixels(SEASON_PX, SEASON_PX, labels.collect()),
     }
 }

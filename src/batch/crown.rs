@@ -10,7 +10,7 @@ use crate::export::{CROWN_RECORD, CrownRecord, crown_file_names, crown_files};
 use crate::pipeline::CrownSettings;
 use crate::scene::Crown;
 use serde::{Deserialize, Serialize};
-use serde_json::json;
+use serde_json::{Value, json};
 use std::path::Path;
 
 /// What a crown was made from; stands in its `crown.json` as `recipe`.
@@ -70,13 +70,7 @@ impl CrownRecipe {
     /// The record of the crown in `folder`, when what is there may stay and is what would be made.
     pub(crate) fn kept(&self, folder: &Path, output: &Output) -> Option<CrownRecord> {
         let digest = self.digest();
-        let names = crown_file_names();
-        let mut paths = names.iter().map(|name| folder.join(name));
-        let is_ready = |path: &Path| {
-            let is_picture = path.extension().is_some_and(|ending| ending == "png");
-            path.is_file() && (!is_picture || output.is_ready(path, digest))
-        };
-        if !paths.all(|path| is_ready(&path)) {
+        if !is_whole(folder, digest, output) {
             return None;
         }
         let record = crown_record(&folder.join(CROWN_RECORD)).ok()?;
@@ -84,7 +78,7 @@ impl CrownRecipe {
         (recipe.digest() == digest).then_some(record)
     }
 
-    /// Writes `crown` to `folder`: nothing before all of it is there, the record last.
+    /// Writes `crown` to `folder`, see [`write_crown`].
     ///
     /// # Errors
     /// [`Failure`]; one about the crown itself names `what`.
@@ -98,13 +92,39 @@ impl CrownRecipe {
     ) -> Result<CrownRecord, Failure> {
         let recipe = json!(self);
         let record = CrownRecord::new(crown, recipe.clone());
-        let files = crown_files(crown, recipe, cancel);
-        let files = files.map_err(|error| Failure::of_crown_files(what, &error))?;
-        let files = files.into_iter();
-        let files = files.map(|(name, bytes)| (folder.join(name), bytes));
-        output.write_items(files.collect(), self.digest(), cancel)?;
+        write_crown(crown, (recipe, self.digest()), folder, output, what, cancel)?;
         Ok(record)
     }
+}
+
+/// Whether all files of a crown are in `folder`, may stay, and were written under `digest`.
+pub(super) fn is_whole(folder: &Path, digest: Digest, output: &Output) -> bool {
+    let names = crown_file_names();
+    let mut paths = names.iter().map(|name| folder.join(name));
+    paths.all(|path| {
+        let is_picture = path.extension().is_some_and(|ending| ending == "png");
+        path.is_file() && (!is_picture || output.is_ready(&path, digest))
+    })
+}
+
+/// Writes `crown` with its `recipe` to `folder`, under a digest: nothing before all of it is there, the
+/// record last.
+///
+/// # Errors
+/// [`Failure`]; one about the crown itself names `what`.
+pub(super) fn write_crown(
+    crown: &Crown,
+    (recipe, digest): (Value, Digest),
+    folder: &Path,
+    output: &Output,
+    what: &str,
+    cancel: &Cancel,
+) -> Result<(), Failure> {
+    let files = crown_files(crown, recipe, cancel);
+    let files = files.map_err(|error| Failure::of_crown_files(what, &error))?;
+    let files = files.into_iter();
+    let files = files.map(|(name, bytes)| (folder.join(name), bytes));
+    output.write_items(files.collect(), digest, cancel)
 }
 
 /// The record in a `crown.json`.

@@ -20,12 +20,13 @@ pub(crate) mod items;
 pub(crate) mod library;
 pub(crate) mod model;
 pub(crate) mod output;
+pub(crate) mod parents;
 pub(crate) mod records;
 pub(crate) mod run;
 pub(crate) mod score;
-pub(crate) mod season;
 pub(crate) mod sheets;
 mod stamp;
+pub(crate) mod tree_crown;
 pub(crate) mod vary;
 
 pub use export_crown::{ImpostorName, LeafName};

@@ -1,12 +1,13 @@
 //! `library.json`: what each tree of a library was made of, enough to make it again.
 
 use super::failure::Failure;
-use crate::base::{Cancel, Cancelled, Seed, read_limited};
+use crate::base::read_limited;
 use crate::contour::{HandPins, PinnedContour};
 use crate::geometry::Point;
 use crate::segment::{Classical, Segmenter, Source};
 use crate::variation::{
-    Chosen, Distortion, ExemplarSettings, Library, SeasonSettings, Tree, make_individual, mirrored,
+    Decided, Distortion, ExemplarSettings, Finish, HslShift, IndividualSettings, Library,
+    SeasonChoice, SeasonSettings,
 };
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -75,12 +76,21 @@ pub(crate) struct TreeRecord {
     /// The picture whose colours the tree was given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) like: Option<ExemplarRecord>,
-    /// How it was made another individual of its target.
+    /// How it was made another individual; its pins are told as they then are.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(crate) individual: Option<IndividualRecord>,
+    pub(crate) individual: Option<IndividualSettings>,
+    /// How its colours were moved.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) shift: Option<HslShift>,
     /// The season it was put into.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) season: Option<SeasonRecord>,
+    /// The trees that it was bred from, as they were named.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(crate) parents: Vec<String>,
+    /// Its crown in three dimensions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) crown: Option<TreeCrownRecord>,
     pub(crate) distortion: Distortion,
     pub(crate) pins: PinsRecord,
     /// Width and height of the picture, in pixels.
@@ -102,43 +112,13 @@ pub(crate) struct ExemplarRecord {
     pub(crate) pins: Option<HandPins>,
 }
 
-/// How a variation of a target was made another individual.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub(crate) struct IndividualRecord {
-    /// 0 to 1, see `make_individual`.
-    pub(crate) strength: f64,
-    /// Whether it stands mirrored; its pins are told as they then are.
-    pub(crate) mirrored: bool,
-}
-
-impl IndividualRecord {
-    /// Least strength at which trees are mirrored.
-    const LEAST_MIRRORED: f64 = 0.25;
-
-    /// What becomes of the tree with this seed; nothing without strength.
-    pub(crate) fn drawn(strength: f64, seed: Seed) -> Option<Self> {
-        let side = seed.derive("mirror", 0).random().unit();
-        (strength > 0.0).then_some(Self {
-            strength,
-            mirrored: strength >= Self::LEAST_MIRRORED && side < 0.5,
-        })
-    }
-
-    /// Makes `tree` that individual.
-    ///
-    /// # Errors
-    /// [`Cancelled`].
-    pub(crate) fn make(
-        &self,
-        tree: &mut Tree,
-        seed: Seed,
-        cancel: &Cancel,
-    ) -> Result<(), Cancelled> {
-        if self.mirrored {
-            *tree = mirrored(tree);
-        }
-        make_individual(tree, self.strength, seed, cancel)
-    }
+/// The crown that a tree's picture was inflated to.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct TreeCrownRecord {
+    /// Its folder, relative to `library.json`.
+    pub(crate) folder: String,
+    /// Texels along a face of its cubemaps.
+    pub(crate) size: u32,
 }
 
 /// The season that a tree was put into.
@@ -149,6 +129,24 @@ pub(crate) struct SeasonRecord {
     /// Whether it keeps its leaves; where it is not told, its looks decide.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) evergreen: Option<bool>,
+}
+
+impl From<SeasonChoice> for SeasonRecord {
+    fn from(choice: SeasonChoice) -> Self {
+        Self {
+            settings: choice.settings,
+            evergreen: choice.evergreen,
+        }
+    }
+}
+
+impl From<SeasonRecord> for SeasonChoice {
+    fn from(record: SeasonRecord) -> Self {
+        Self {
+            settings: record.settings,
+            evergreen: record.evergreen,
+        }
+    }
 }
 
 /// Foot and trunk tops in pixels of the picture.
@@ -176,9 +174,8 @@ impl PinsRecord {
 impl TreeRecord {
     /// The record of the tree `name`.
     pub(crate) fn new(
-        name: String,
-        seed: Seed,
-        chosen: &Chosen,
+        name: &str,
+        Decided { genome, chosen }: &Decided,
         library: &Library<'_>,
         target: Option<usize>,
         like: Option<&ExemplarRecord>,
@@ -197,9 +194,14 @@ impl TreeRecord {
                 pins: entry.pins,
             }
         };
-        Self {
+        let Finish {
+            individual,
+            shift,
+            season,
+        } = genome.finish;
+        let record = Self {
             file: format!("{name}.png"),
-            seed: seed.0,
+            seed: genome.seed.0,
             exemplars: chosen
                 .parts
                 .iter()
@@ -212,26 +214,50 @@ impl TreeRecord {
                 .collect(),
             color_weights: chosen.parts.iter().map(|part| part.color_weight).collect(),
             like: like.cloned(),
-            individual: None,
-            season: None,
+            individual,
+            shift,
+            season: season.map(SeasonRecord::from),
+            parents: Vec::new(),
+            crown: None,
             distortion: chosen.layout.distortion,
             pins: PinsRecord::of(&chosen.layout.contour),
             size: [chosen.layout.size; 2],
+        };
+        match individual {
+            Some(individual) if individual.mirrored => record.with_pins_mirrored(),
+            _ => record,
         }
     }
 
-    /// The record of the tree made another individual.
-    pub(crate) fn of_individual(mut self, individual: Option<IndividualRecord>) -> Self {
-        if individual.is_some_and(|individual| individual.mirrored) {
-            let last = f64::from(self.size[0]) - 1.0;
-            let flipped = |[x, y]: [f64; 2]| [last - x, y];
-            self.pins = PinsRecord {
-                bottom: flipped(self.pins.bottom),
-                left: flipped(self.pins.right),
-                right: flipped(self.pins.left),
-            };
+    fn with_pins_mirrored(self) -> Self {
+        let last = f64::from(self.size[0]) - 1.0;
+        let flipped = |[x, y]: [f64; 2]| [last - x, y];
+        let pins = PinsRecord {
+            bottom: flipped(self.pins.bottom),
+            left: flipped(self.pins.right),
+            right: flipped(self.pins.left),
+        };
+        Self { pins, ..self }
+    }
+
+    /// What becomes of the tree once it is mixed.
+    pub(crate) fn finish(&self) -> Finish {
+        Finish {
+            individual: self.individual,
+            shift: self.shift,
+            season: self.season.map(SeasonChoice::from),
         }
-        Self { individual, ..self }
+    }
+
+    /// Whether there is one share of outline and colours for each exemplar, of sum 1 each.
+    pub(crate) fn weights_are_convex(&self) -> bool {
+        let is_convex = |weights: &Vec<f64>| {
+            let sum: f64 = weights.iter().sum();
+            weights.len() == self.exemplars.len()
+                && weights.iter().all(|weight| (0.0..=1.0).contains(weight))
+                && (sum - 1.0).abs() < 1e-6
+        };
+        is_convex(&self.contour_weights) && is_convex(&self.color_weights)
     }
 
     /// The file's name without its ending.

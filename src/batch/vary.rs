@@ -4,16 +4,17 @@ use super::failure::Failure;
 use super::items;
 use super::library::opened;
 use super::output::recipe;
-use super::records::{ExemplarRecord, IndividualRecord, LibraryRecord, TreeRecord};
+use super::parents::Parents;
+use super::records::{ExemplarRecord, LibraryRecord, TreeCrownRecord, TreeRecord};
 use super::run::Run;
-use super::season::SeasonJob;
+use super::tree_crown::{TreeCrown, crown_files_of};
 use crate::base::{Digest, Hasher, Seed};
-use crate::pipeline::{GalleryTree, Pool, tree_maps};
+use crate::pipeline::{GalleryTree, Pool, Wishes, tree_maps};
 use crate::raster::{Compression, Image, encode_grey_png, encode_png};
 use crate::segment::{Segmenter, grey_from_labels};
 use crate::variation::{
-    ChoiceSettings, Chosen, ExemplarSettings, Histogram, Library, LibraryPicture, Palette, Shape,
-    Tree, TreeMaker, chosen,
+    ChoiceSettings, Chosen, Decided, ExemplarSettings, Histogram, Library, LibraryPicture, Palette,
+    SeasonChoice, Tree, TreeMaker,
 };
 use clap::ValueEnum;
 use rayon::prelude::*;
@@ -52,32 +53,31 @@ impl MapName {
 pub(crate) enum Trees {
     /// That many, drawn at random.
     Drawn(u32),
-    /// These, of exemplars with the indices of the pool's library.
-    Planned(Pool, Vec<PlannedTree>),
+    /// That many, bred from others.
+    Bred(Box<Parents>, u32),
+    /// These.
+    Planned(Plan),
 }
 
-/// A tree that was decided on elsewhere.
-pub(crate) struct PlannedTree {
-    pub(crate) seed: Seed,
-    pub(crate) tree: GalleryTree,
-    /// Which of the job's pictures gives its colours.
+/// Trees that were decided on elsewhere.
+pub(crate) struct Plan {
+    /// Exemplars of the job's library that trees are drawn from.
+    pub(crate) pool: Pool,
+    /// Each with its name as a seed.
+    pub(crate) trees: Vec<GalleryTree>,
+    /// What the trees call the pictures that give colours, in the order of the job's.
+    pub(crate) likes: Vec<usize>,
+    /// The one that those take that are drawn or are siblings, if any.
     pub(crate) like: Option<usize>,
 }
 
 impl Trees {
     fn count(&self) -> u32 {
         match self {
-            Self::Drawn(count) => *count,
-            Self::Planned(_, trees) => u32::try_from(trees.len()).unwrap_or(u32::MAX),
+            Self::Drawn(count) | Self::Bred(_, count) => *count,
+            Self::Planned(plan) => u32::try_from(plan.trees.len()).unwrap_or(u32::MAX),
         }
     }
-}
-
-/// A tree that is to be made.
-struct Decided {
-    seed: Seed,
-    chosen: Chosen,
-    like: Option<usize>,
 }
 
 /// A checked job.
@@ -94,7 +94,9 @@ pub(crate) struct Vary {
     pub(crate) settings: ExemplarSettings,
     pub(crate) choice: ChoiceSettings,
     /// The season that all trees are put into.
-    pub(crate) season: Option<SeasonJob>,
+    pub(crate) season: Option<SeasonChoice>,
+    /// Texels along a face of the crowns that trees are inflated to, if they are.
+    pub(crate) crowns: Option<u32>,
     pub(crate) cache: Option<PathBuf>,
 }
 
@@ -108,13 +110,14 @@ impl Vary {
     ) -> Result<LibraryRecord, Failure> {
         let outputs = Outputs {
             folder: out,
-            maps: self.maps.clone(),
+            maps: self.maps(),
         };
         let count = self.trees.count();
         let ours = (0..count).filter(|i| session.shard.contains(u64::from(*i)));
+        let with_crown = self.crowns.is_some();
         session
             .output
-            .check(ours.flat_map(|i| outputs.of(&tree_name(i))))?;
+            .check(ours.flat_map(|i| outputs.of(&tree_name(i), with_crown)))?;
         session.output.check(self.sheet.as_ref())?;
         if self.sheet.is_some() && !session.shard.is_whole() {
             let reason = "a sheet shows all trees; make it with --resume once all shards are done";
@@ -142,15 +145,16 @@ impl Vary {
 
         // With a season, pictures give the colours of its leaves.
         let palettes: Vec<Palette> = likes.into_iter().map(|like| like.palette).collect();
-        let of_maker = |palette: &Palette| self.season.is_none().then(|| palette.clone());
         let makers: Vec<TreeMaker<'_>> = std::iter::once(None)
-            .chain(palettes.iter().map(of_maker))
+            .chain(palettes.iter().cloned().map(Some))
             .map(|palette| TreeMaker::new(&library, palette))
             .collect();
         let items: Vec<(&Decided, &TreeRecord)> = trees.iter().zip(&record.trees).collect();
         items::made(session, "vary", &items, |_, (tree, record)| {
-            let maker = &makers[tree.like.map_or(0, |like| like + 1)];
-            let like = tree.like.map(|like| palettes[like].crown());
+            let like = tree.genome.like;
+            let of_maker = like.filter(|_| record.season.is_none());
+            let maker = &makers[of_maker.map_or(0, |like| like + 1)];
+            let like = like.map(|like| palettes[like].crown());
             make_tree(maker, &tree.chosen, record, like, &outputs, session)
         })?;
         session
@@ -172,39 +176,56 @@ impl Vary {
         }
     }
 
+    /// The further pictures of each tree: where it is inflated, also how.
+    fn maps(&self) -> BTreeSet<MapName> {
+        let mut maps = self.maps.clone();
+        if self.crowns.is_some() {
+            maps.extend([MapName::Normal, MapName::Depth]);
+        }
+        maps
+    }
+
     fn decided(
         &self,
         library: &Library<'_>,
         target: Option<usize>,
         session: &Run<'_>,
     ) -> Result<Vec<Decided>, Failure> {
-        let shapes: Vec<&Shape> = library.entries().iter().map(|e| e.shape.as_ref()).collect();
+        let all = Pool {
+            members: (0..library.entries().len()).collect(),
+            has_target: target.is_some(),
+        };
+        let seed = |index| Seed(session.seed).derive("tree", index);
         let count = self.trees.count();
+        let seeds = (0..u64::from(count)).map(seed);
+        let like = match &self.trees {
+            Trees::Planned(plan) => plan.like,
+            _ => (!self.likes.is_empty()).then_some(0),
+        };
+        let wishes = Wishes {
+            choice: self.choice,
+            like,
+            season: self.season,
+        };
+        let (pool, trees): (&Pool, Vec<GalleryTree>) = match &self.trees {
+            Trees::Drawn(_) => (&all, seeds.map(|seed| GalleryTree::Drawn(seed.0)).collect()),
+            Trees::Bred(parents, _) => {
+                let seeds: Vec<Seed> = seeds.collect();
+                (&all, parents.children(library, &all.members, &seeds)?)
+            }
+            Trees::Planned(plan) => (&plan.pool, plan.trees.clone()),
+        };
         let stage = session.progress.stage("choose", u64::from(count));
         (0..count)
             .into_par_iter()
             .map(|index| {
                 session.cancel.check()?;
-                let failed = |error| Failure::of(tree_name(index), error);
-                let decided = match &self.trees {
-                    Trees::Drawn(_) => {
-                        let seed = Seed(session.seed).derive("tree", u64::from(index));
-                        Decided {
-                            seed,
-                            chosen: chosen(&shapes, target, &self.choice, seed).map_err(failed)?,
-                            like: (!self.likes.is_empty()).then_some(0),
-                        }
-                    }
-                    Trees::Planned(pool, trees) => {
-                        let PlannedTree { seed, tree, like } = &trees[index as usize];
-                        let chosen = pool.chosen(library, tree, &self.choice);
-                        Decided {
-                            seed: *seed,
-                            chosen: chosen.map_err(failed)?,
-                            like: *like,
-                        }
-                    }
-                };
+                let decided = pool.decided(library, &trees[index as usize], &wishes);
+                let mut decided = decided.map_err(|error| Failure::of(tree_name(index), error))?;
+                if let Trees::Planned(plan) = &self.trees {
+                    let own = |of: usize| plan.likes.iter().position(|like| *like == of);
+                    decided.genome.like = decided.genome.like.and_then(own);
+                }
                 warn_if_distorted(index, &decided.chosen, session);
                 stage.advance();
                 Ok(decided)
@@ -220,17 +241,18 @@ impl Vary {
         likes: &[Like],
     ) -> LibraryRecord {
         let trees = (0u32..).zip(trees).map(|(index, tree)| {
-            let like = tree.like.map(|like| &likes[like].record);
+            let like = tree.genome.like.map(|like| &likes[like].record);
             let name = tree_name(index);
-            let record = TreeRecord::new(name, tree.seed, &tree.chosen, library, target, like);
-            let season = self
-                .season
-                .map(|season| season.record(&tree.chosen, library));
-            // Variations of a target are individuals of its kind; what was drawn elsewhere stays.
-            let is_varied = target.is_some() && matches!(self.trees, Trees::Drawn(_));
-            let strength = if is_varied { self.choice.strength } else { 0.0 };
-            let record = record.of_individual(IndividualRecord::drawn(strength, tree.seed));
-            TreeRecord { season, ..record }
+            let crown = self.crowns.map(|size| TreeCrownRecord::of(&name, size));
+            let parents = match &self.trees {
+                Trees::Bred(parents, _) => parents.names(),
+                _ => Vec::new(),
+            };
+            TreeRecord {
+                crown,
+                parents,
+                ..TreeRecord::new(&name, tree, library, target, like)
+            }
         });
         LibraryRecord::new(&self.folder, library, trees.collect())
     }
@@ -285,8 +307,17 @@ impl Outputs<'_> {
         self.folder.join(format!("{name}.{}.png", map.name()))
     }
 
-    /// All files of the tree `name`.
-    pub(crate) fn of(&self, name: &str) -> Vec<PathBuf> {
+    /// All files of the tree `name`, those of its crown included if it has one.
+    pub(crate) fn of(&self, name: &str, with_crown: bool) -> Vec<PathBuf> {
+        let mut files = self.pictures(name);
+        if with_crown {
+            files.extend(crown_files_of(self.folder, name));
+        }
+        files
+    }
+
+    /// Its pictures.
+    fn pictures(&self, name: &str) -> Vec<PathBuf> {
         let maps = self.maps.iter().map(|map| self.map(name, *map));
         std::iter::once(self.picture(name)).chain(maps).collect()
     }
@@ -337,29 +368,29 @@ pub(crate) fn make_tree(
     session: &Run<'_>,
 ) -> Result<(), Failure> {
     let digest = record_digest(record, &maker.library().segmenter().key());
-    let files = outputs.of(record.name());
-    if files
-        .iter()
-        .all(|file| session.output.is_ready(file, digest))
-    {
+    let crown = TreeCrown::of(record, digest, outputs.folder);
+    let is_there = |file: &PathBuf| session.output.is_ready(file, digest);
+    let has_pictures = outputs.pictures(record.name()).iter().all(is_there);
+    let crown = crown.filter(|crown| !crown.is_ready(session));
+    if has_pictures && crown.is_none() {
         return Ok(());
     }
     let mut tree = maker.make(chosen, session.cancel)?;
-    if let Some(individual) = &record.individual {
-        individual.make(&mut tree, Seed(record.seed), session.cancel)?;
-    }
-    if let Some(season) = &record.season {
-        season.put(&mut tree, like, Seed(record.seed), session.cancel)?;
-    }
+    let finish = record.finish();
+    finish.put(&mut tree, like, Seed(record.seed), session.cancel)?;
     if let Some(shown) = session.shown {
         shown(&tree.image);
     }
-    let png = encode_png(&tree.image, Compression::Fast);
-    session.cancel.check()?;
-    session
-        .output
-        .write_item(&outputs.picture(record.name()), png, digest)?;
-    write_maps(&tree, record, outputs, digest, session)
+    if !has_pictures {
+        let png = encode_png(&tree.image, Compression::Fast);
+        session.cancel.check()?;
+        session
+            .output
+            .write_item(&outputs.picture(record.name()), png, digest)?;
+        write_maps(&tree, record, outputs, digest, session)?;
+    }
+    // Last: a tree that has no crown still is one.
+    crown.map_or(Ok(()), |crown| crown.make(&tree, session))
 }
 
 /// Writes the further pictures of a tree.
@@ -392,8 +423,14 @@ fn write_maps(
 /// The digest of all that a tree is made of.
 fn record_digest(record: &TreeRecord, segmenter: &str) -> Digest {
     let hasher: Hasher = recipe("vary 2");
+    // Who it was bred from and whether there is a crown, too, changes no picture.
+    let picture = TreeRecord {
+        crown: None,
+        parents: Vec::new(),
+        ..record.clone()
+    };
     hasher
         .with(segmenter.as_bytes())
-        .with(record.to_json().as_bytes())
+        .with(picture.to_json().as_bytes())
         .finish()
 }

@@ -183,6 +183,10 @@ impl Flags {
     fn inputs_again(&self, path: &Path, session: &Session<'_>) -> Result<Inputs, Failure> {
         let refused = |reason: String| Failure::of(path.display(), reason);
         let record = crown_record(path)?;
+        if record.recipe.get("tree").is_some() {
+            let reason = "is the crown of a tree: make it again with boscage vary --recipe";
+            return Err(refused(reason.to_owned()));
+        }
         let recipe: CrownRecipe = serde_json::from_value(record.recipe)
             .map_err(|error| refused(format!("its recipe is not known: {error}")))?;
         recipe

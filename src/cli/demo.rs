@@ -73,6 +73,7 @@ impl Job for Flags {
             },
             choice: ChoiceSettings::default(),
             season: None,
+            crowns: None,
             cache: None,
         };
         vary.run(standard(), &out.join("trees"), session)?;

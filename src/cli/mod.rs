@@ -46,6 +46,7 @@ mod usage;
 mod vary;
 mod vary_again;
 mod vary_flags;
+mod vary_parents;
 mod warp;
 
 use crate::app;

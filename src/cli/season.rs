@@ -10,10 +10,9 @@ use super::segmenter::{SegmenterFlags, failed};
 use super::session::Session;
 use super::{Job, Stages};
 use crate::base::Seed;
-use crate::batch::season::SeasonJob;
 use crate::raster::{Compression, encode_png};
 use crate::segment::Segmenter;
-use crate::variation::{Histogram, Palette, Tree};
+use crate::variation::{Finish, Histogram, Palette, SeasonChoice, Tree};
 use clap::Args;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -119,7 +118,7 @@ impl Flags {
     fn made(
         &self,
         picture: &PictureFile,
-        job: SeasonJob,
+        job: SeasonChoice,
         like: Option<&Histogram>,
         segmenter: &dyn Segmenter,
         session: &Session<'_>,
@@ -132,8 +131,11 @@ impl Flags {
             .to_string_lossy();
         // Each picture turns in its own way.
         let seed = Seed(session.seed).derive("season", picture.digest().leading_u64());
-        let record = job.record_of(&name);
-        record.put(&mut tree, like, seed, session.cancel)?;
+        let finish = Finish {
+            season: Some(job.of_picture(&name)),
+            ..Finish::default()
+        };
+        finish.put(&mut tree, like, seed, session.cancel)?;
         session.cancel.check()?;
         Ok(encode_png(&tree.image, Compression::Fast))
     }

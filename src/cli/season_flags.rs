@@ -1,8 +1,7 @@
 //! The flags that put trees into a season.
 
 use super::failure::Failure;
-use crate::batch::season::SeasonJob;
-use crate::variation::{Season, SeasonSettings};
+use crate::variation::{Season, SeasonChoice, SeasonSettings};
 use clap::{Args, ValueEnum};
 
 /// A season, its extent, snow, and which trees keep their leaves.
@@ -51,7 +50,7 @@ impl SeasonFlags {
     ///
     /// # Errors
     /// [`Failure::BadInput`] for numbers out of range, or an amount of no season.
-    pub(super) fn checked(&self) -> Result<Option<SeasonJob>, Failure> {
+    pub(super) fn checked(&self) -> Result<Option<SeasonChoice>, Failure> {
         let within = |name: &str, value: f64| match (0.0..=1.0).contains(&value) {
             true => Ok(()),
             false => Err(Failure::of(name, "must be from 0 to 1")),
@@ -73,7 +72,7 @@ impl SeasonFlags {
                 }
             }
         };
-        Ok(Some(SeasonJob {
+        Ok(Some(SeasonChoice {
             settings: SeasonSettings {
                 snow: self.snow,
                 ..season

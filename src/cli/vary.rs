@@ -6,6 +6,7 @@ use super::season_flags::SeasonFlags;
 use super::segmenter::SegmenterFlags;
 use super::session::Session;
 use super::vary_flags::{ColorsFlag, WeightRange};
+use super::vary_parents::AspectName;
 use super::{Job, Stages};
 use crate::batch::vary::{MapName, Trees, Vary};
 use crate::variation::{ChoiceSettings, ExemplarSettings};
@@ -23,10 +24,13 @@ use std::path::{Path, PathBuf};
   boscage vary --library trees --count 20 --out new --sheet new/sheet.png
   boscage vary --library trees --target oak.png --strength 0.5 --count 8 --out oaks
   boscage vary --library trees --season autumn --season-amount 0.5 --count 20 --out autumn
-  boscage vary --recipe new/library.json#tree_0003 --out again")]
+  boscage vary --library trees --count 100 --crowns --out new
+  boscage vary --recipe new/library.json#tree_0003 --out again
+  boscage vary --parents new/library.json#tree_0003 new/library.json#tree_0007 \\
+    --library trees --lock contour --count 12 --out next")]
 pub(super) struct Flags {
     /// Folder of RGBA tree pictures
-    #[arg(long, required_unless_present = "recipe", value_name = "DIR")]
+    #[arg(long, required_unless_present_any = ["recipe", "parents"], value_name = "DIR")]
     pub(super) library: Option<PathBuf>,
     /// A picture to make variations of
     #[arg(long, value_name = "IMAGE")]
@@ -62,8 +66,31 @@ pub(super) struct Flags {
     /// Mix any pair, however much it is distorted
     #[arg(long)]
     pub(super) any_pair: bool,
+    /// Also inflate each picture to a crown in three dimensions: crowns/tree_0000 and so on, folders
+    /// that render and export take; brings the maps normal and depth
+    #[arg(long)]
+    crowns: bool,
+    /// Texels along a face of the crowns' cubemaps, a multiple of 16
+    #[arg(long, default_value_t = 256, value_name = "N", requires = "crowns", value_parser = crown_size)]
+    crown_size: u32,
+    /// Breed from trees that were made: FILE.json#NAME, one or several. With --library its pictures
+    /// may join
+    #[arg(long, num_args = 1.., value_name = "FILE.json#NAME", conflicts_with_all = ["target", "mix", "weights", "colors", "like", "size", "any_pair", "season", "season_amount", "snow", "evergreen"])]
+    pub(super) parents: Vec<String>,
+    /// What children have from one parent as it is there, separated by commas
+    #[arg(
+        long,
+        value_enum,
+        value_delimiter = ',',
+        value_name = "ASPECTS",
+        requires = "parents"
+    )]
+    pub(super) lock: Vec<AspectName>,
+    /// Which generation after the parents: 1 their children, 2 the children of all those, and so on
+    #[arg(long, default_value_t = 1, value_name = "N", requires = "parents", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub(super) generation: u32,
     /// Make one tree again: FILE.json#NAME
-    #[arg(long, value_name = "FILE.json#NAME", conflicts_with_all = ["target", "count", "mix", "weights", "colors", "size", "maps", "any_pair", "segmenter"])]
+    #[arg(long, value_name = "FILE.json#NAME", conflicts_with_all = ["target", "count", "mix", "weights", "colors", "size", "maps", "any_pair", "crowns", "parents", "segmenter"])]
     pub(super) recipe: Option<String>,
     #[command(flatten)]
     pub(super) season: SeasonFlags,
@@ -104,8 +131,16 @@ impl Job for Flags {
 }
 
 impl Flags {
+    /// Texels along a face of the crowns, if there are to be any.
+    pub(super) fn crowns(&self) -> Option<u32> {
+        self.crowns.then_some(self.crown_size)
+    }
+
     /// The job that the flags mean.
     fn checked(&self) -> Result<Vary, Failure> {
+        if !self.parents.is_empty() {
+            return super::vary_parents::checked(self);
+        }
         let folder = self.library.as_deref().unwrap_or(Path::new("."));
         if !(0.0..=1.0).contains(&self.strength) {
             return Err(Failure::of("--strength", "must be from 0 to 1"));
@@ -132,7 +167,17 @@ impl Flags {
                 selective: !self.any_pair,
             },
             season: self.season.checked()?,
+            crowns: self.crowns(),
             cache: self.cache.folder(),
         })
     }
+}
+
+/// A size of cubemaps.
+fn crown_size(text: &str) -> Result<u32, String> {
+    let number = text.parse::<u32>().ok();
+    let fits = |size: &u32| (32..=1024).contains(size) && size.is_multiple_of(16);
+    number
+        .filter(fits)
+        .ok_or_else(|| "expected a multiple of 16 from 32 to 1024".to_owned())
 }

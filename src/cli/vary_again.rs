@@ -19,32 +19,15 @@ pub(super) fn run(
     out: &Path,
     session: &Session<'_>,
 ) -> Result<(), Failure> {
-    let Some((file, name)) = recipe.rsplit_once('#') else {
-        return Err(Failure::of(recipe, "name a tree: FILE.json#tree_0003"));
-    };
-    let file = Path::new(file);
-    let record = LibraryRecord::read(file)?;
-    let Some(tree) = record
-        .trees
-        .iter()
-        .find(|tree| tree.name() == name || tree.file == name)
-    else {
-        return Err(Failure::of(
-            file.display(),
-            format!("has no tree named {name}"),
-        ));
-    };
-    if !tree.is_in_folder() {
-        return Err(Failure::of(
-            file.display(),
-            "the tree's file lies outside the folder",
-        ));
-    }
+    let (file, record, tree) = named_tree(recipe)?;
+    let (file, tree) = (file.as_path(), &tree);
     let outputs = Outputs {
         folder: out,
         maps: std::collections::BTreeSet::new(),
     };
-    session.output.check(outputs.of(tree.name()))?;
+    session
+        .output
+        .check(outputs.of(tree.name(), tree.crown.is_some()))?;
     let folders = folders(flags, &record, file);
     let paths = tree
         .exemplars
@@ -80,6 +63,27 @@ pub(super) fn run(
     session.print_json(|| json!({"trees": [tree], "seconds": session.seconds()}))
 }
 
+/// The tree that `recipe`, FILE.json#NAME, names: the file, all of the record, its own.
+///
+/// # Errors
+/// [`Failure::BadInput`] naming the file.
+pub(super) fn named_tree(recipe: &str) -> Result<(PathBuf, LibraryRecord, TreeRecord), Failure> {
+    let Some((file, name)) = recipe.rsplit_once('#') else {
+        return Err(Failure::of(recipe, "name a tree: FILE.json#tree_0003"));
+    };
+    let file = PathBuf::from(file);
+    let record = LibraryRecord::read(&file)?;
+    let mut trees = record.trees.iter();
+    let tree = trees.find(|tree| tree.name() == name || tree.file == name);
+    let failed = |reason: String| Failure::of(file.display(), reason);
+    let tree = tree.ok_or_else(|| failed(format!("has no tree named {name}")))?;
+    if !tree.is_in_folder() {
+        return Err(failed("the tree's file lies outside the folder".to_owned()));
+    }
+    let tree = tree.clone();
+    Ok((file, record, tree))
+}
+
 /// The picture that gives the colours: that of the flags, else the recorded one, which must be what
 /// it was.
 fn like_again(
@@ -109,7 +113,7 @@ fn like_again(
 
 /// Where exemplars are looked for: the folder given now, the one recorded, that folder seen from
 /// the record.
-fn folders(flags: &Flags, record: &LibraryRecord, file: &Path) -> Vec<PathBuf> {
+pub(super) fn folders(flags: &Flags, record: &LibraryRecord, file: &Path) -> Vec<PathBuf> {
     let beside = file.parent().unwrap_or(Path::new("."));
     let recorded = PathBuf::from(&record.library);
     let mut folders: Vec<PathBuf> = flags.library.iter().cloned().collect();
@@ -117,7 +121,7 @@ fn folders(flags: &Flags, record: &LibraryRecord, file: &Path) -> Vec<PathBuf> {
     folders
 }
 
-fn found(name: &str, folders: &[PathBuf]) -> Result<PathBuf, Failure> {
+pub(super) fn found(name: &str, folders: &[PathBuf]) -> Result<PathBuf, Failure> {
     let mut candidates = folders.iter().map(|folder| folder.join(name));
     candidates.find(|path| path.is_file()).ok_or_else(|| {
         Failure::of(
@@ -142,14 +146,7 @@ fn chosen_again(tree: &TreeRecord, library: &Library<'_>, file: &Path) -> Result
             ));
         }
     }
-    let weights = [&tree.contour_weights, &tree.color_weights];
-    let sound = |weights: &&Vec<f64>| {
-        let sum: f64 = weights.iter().sum();
-        weights.len() == entries.len()
-            && weights.iter().all(|w| (0.0..=1.0).contains(w))
-            && (sum - 1.0).abs() < 1e-6
-    };
-    if !weights.iter().all(sound) {
+    if !tree.weights_are_convex() {
         return Err(broken("the weights are not convex"));
     }
     let parts = (0..entries.len()).map(|exemplar| Part {

@@ -48,8 +48,7 @@ pub struct Content {
     pub variation: VariationSettings,
     /// The number of the next photograph.
     pub next_photo: u32,
-    /// Pins that were set by hand, in the normalised picture. Last: histories that were written before
-    /// there were any end here.
+    /// Pins that were set by hand, in the normalised picture.
     pub pins: BTreeMap<PhotoId, HandPins>,
 }
 
@@ -144,7 +143,8 @@ impl State {
     }
 }
 
-/// The content in exact bytes, for digests and history.
+/// The content in exact bytes, for digests and history (which must be told when a field comes: see
+/// `history::MARK`).
 pub(super) fn packed_content(content: &Content) -> Vec<u8> {
     postcard::to_stdvec(content).expect("plain data of known lengths fits into a Vec")
 }

@@ -1,6 +1,7 @@
 //! Steps that can be undone: differences between states.
 
 use super::content::{Content, PhotoId, State, packed_content};
+use super::legacy;
 use crate::base::Digest;
 use crate::paint::{MaskPatch, Side, TiledMask};
 use crate::raster::Rect;
@@ -10,6 +11,10 @@ use std::sync::Arc;
 
 /// Most bytes of one state's content; settings of a thousand favourites take a hundred thousand.
 const MOST_CONTENT_BYTES: usize = 64 << 20;
+
+/// First bytes of a content as it is packed now. Those of older ones cannot be: they begin with the
+/// length of a title. The third counts up whenever a field comes or goes; see [`super::legacy`].
+const MARK: [u8; 3] = [0xff, 0xff, 1];
 
 /// A step does not fit the state it is applied to: only files that lie can bring that about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -60,7 +65,7 @@ struct PackedContent {
 
 impl PackedContent {
     fn of(content: &Content) -> Self {
-        let bytes = packed_content(content);
+        let bytes = [&MARK[..], &packed_content(content)].concat();
         Self {
             length: bytes.len() as u32,
             lz4: lz4_flex::block::compress(&bytes),
@@ -74,12 +79,10 @@ impl PackedContent {
             return Err(Misfit);
         }
         let bytes = lz4_flex::block::decompress(&self.lz4, length).map_err(|_| Misfit)?;
-        // Before there were pins, a content ended where they begin: then there are none.
-        let read = postcard::from_bytes(&bytes).or_else(|_| {
-            let without_pins = [&bytes[..], &[0]].concat();
-            postcard::from_bytes(&without_pins)
-        });
-        read.map_err(|_| Misfit)
+        match bytes.strip_prefix(&MARK) {
+            Some(bytes) => postcard::from_bytes(bytes).map_err(|_| Misfit),
+            None => legacy::content(&bytes).ok_or(Misfit),
+        }
     }
 }
 

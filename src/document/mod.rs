@@ -12,13 +12,15 @@
 //!
 //! Files are opened in `store` only; the rest is bytes to bytes.
 //!
-//! Imports `base`, `raster`, `contour`, `paint`, `crown` (settings of the relief).
+//! Imports `base`, `raster`, `contour`, `paint`, `variation` (what becomes of a tree), `crown` (settings
+//! of the relief).
 
 mod content;
 mod edit;
 mod encode;
 mod format;
 mod history;
+mod legacy;
 mod migrate;
 mod project;
 mod settings;
@@ -31,6 +33,6 @@ pub use format::{FormatError, VERSION};
 pub use history::Changed;
 pub use project::{Document, Snapshot};
 pub use settings::{
-    CanvasView, Coloring, CrownSettings, ExemplarWeight, Favourite, Tangent, VariationSettings,
-    ViewState,
+    CanvasView, Coloring, CrownSettings, ExemplarWeight, Favourite, Generation, Tangent,
+    VariationSettings, ViewState,
 };

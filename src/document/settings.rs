@@ -6,8 +6,9 @@
 
 use super::content::PhotoId;
 use crate::crown::ReliefSettings;
+use crate::variation::{Aspect, Finish, SeasonChoice};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Longest expression of a tangent, characters.
 const LONGEST_EXPRESSION: usize = 1000;
@@ -133,9 +134,36 @@ pub struct Favourite {
     /// The picture whose histogram it took.
     #[serde(default)]
     pub like: Option<PhotoId>,
+    /// What became of it once it was mixed.
+    #[serde(default)]
+    pub finish: Finish,
+}
+
+/// Trees that others are bred from.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Generation {
+    /// The parents; their names do not count.
+    pub parents: Vec<Favourite>,
+    /// What children have from one parent as it is there.
+    pub locks: BTreeSet<Aspect>,
+    /// The seed of the gallery that the parents were chosen from.
+    pub seed: u64,
+    /// The seeds that were locked in it.
+    pub locked: Vec<u64>,
 }
 
 impl Favourite {
+    /// Whether both are one tree, whatever they are called.
+    pub fn is_tree_of(&self, other: &Self) -> bool {
+        let name = self.name.clone();
+        *self
+            == Self {
+                name,
+                ..other.clone()
+            }
+    }
+
     /// The photographs that it names.
     fn photos(&self) -> impl Iterator<Item = PhotoId> + '_ {
         self.exemplars
@@ -153,8 +181,26 @@ impl Favourite {
         let contour: Vec<f64> = self.exemplars.iter().map(|part| part.weight).collect();
         let has_colors = self.color_weights.is_empty()
             || (self.color_weights.len() == self.exemplars.len() && sum(&self.color_weights) > 0.0);
-        sum(&contour) > 0.0 && has_colors
+        sum(&contour) > 0.0 && has_colors && finish_is_sound(&self.finish)
     }
+}
+
+/// Whether all numbers are in their ranges.
+fn finish_is_sound(finish: &Finish) -> bool {
+    let is_share = |value: f64| (0.0..=1.0).contains(&value);
+    let strength = finish.individual.map_or(0.0, |own| own.strength);
+    let shift_is_sound = finish.shift.is_none_or(|shift| {
+        let factors = [shift.saturation, shift.lightness];
+        shift.hue.abs() <= 1.0 && factors.iter().all(|factor| (0.0..=4.0).contains(factor))
+    });
+    is_share(strength) && shift_is_sound && season_is_sound(finish.season.as_ref())
+}
+
+fn season_is_sound(season: Option<&SeasonChoice>) -> bool {
+    season.is_none_or(|season| {
+        let numbers = [season.settings.amount, season.settings.snow];
+        numbers.iter().all(|value| (0.0..=1.0).contains(value))
+    })
 }
 
 /// How variations are made.
@@ -185,6 +231,12 @@ pub struct VariationSettings {
     pub locked: Vec<u64>,
     /// What was kept.
     pub favourites: Vec<Favourite>,
+    /// Whether random choice walks from tree to matching tree, or mixes any.
+    pub walks: bool,
+    /// The season that new trees are put into.
+    pub season: Option<SeasonChoice>,
+    /// The generations that the gallery's trees come from, the oldest first; none: trees are drawn.
+    pub lineage: Vec<Generation>,
 }
 
 impl Default for VariationSettings {
@@ -202,6 +254,9 @@ impl Default for VariationSettings {
             count: 12,
             locked: Vec::new(),
             favourites: Vec::new(),
+            walks: true,
+            season: None,
+            lineage: Vec::new(),
         }
     }
 }
@@ -230,13 +285,22 @@ impl VariationSettings {
                 self.kept().all(Favourite::is_sound),
                 "a favourite's weights are none",
             ),
+            (
+                season_is_sound(self.season.as_ref()),
+                "a season's extent is not in 0…1",
+            ),
+            (
+                self.lineage.iter().all(|one| !one.parents.is_empty()),
+                "a generation has no parents",
+            ),
         ];
         broken(&rules)
     }
 
     /// All trees that were kept.
     fn kept(&self) -> impl Iterator<Item = &Favourite> {
-        self.favourites.iter().chain(&self.around)
+        let parents = self.lineage.iter().flat_map(|one| &one.parents);
+        self.favourites.iter().chain(&self.around).chain(parents)
     }
 
     /// All photographs that are named.
@@ -253,9 +317,20 @@ impl VariationSettings {
         self.exemplars.retain(is_other);
         self.favourites.retain(is_whole);
         self.around = self.around.take().filter(is_whole);
+        // What comes after a generation without parents has none either.
+        for one in &mut self.lineage {
+            one.parents.retain(is_whole);
+        }
+        let whole = self
+            .lineage
+            .iter()
+            .take_while(|one| !one.parents.is_empty());
+        self.lineage.truncate(whole.count());
         self.target = self.target.filter(|&target| target != photo);
         self.like = self.like.filter(|&like| like != photo);
-        for kept in self.favourites.iter_mut().chain(&mut self.around) {
+        let parents = self.lineage.iter_mut().flat_map(|one| &mut one.parents);
+        let kept = self.favourites.iter_mut().chain(&mut self.around);
+        for kept in kept.chain(parents) {
             kept.like = kept.like.filter(|&like| like != photo);
         }
     }

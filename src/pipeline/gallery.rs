@@ -5,10 +5,12 @@
 //! those of this one stay where they are.
 
 use crate::base::Seed;
-use crate::document::{self, ExemplarWeight, Favourite, PhotoId, VariationSettings};
+use crate::document::{self, ExemplarWeight, Favourite, Generation, PhotoId, VariationSettings};
 use crate::variation::{
-    ChoiceError, ChoiceSettings, Chosen, Coloring, Library, Part, Shape, chosen, parts_near,
+    Brood, ChoiceError, ChoiceSettings, Chosen, Coloring, Decided, Finish, Genome,
+    IndividualSettings, Library, Part, SeasonChoice, Shape, chosen, parts_near,
 };
+use std::sync::Arc;
 
 /// The settings of random choice that `settings` mean.
 pub fn choice_settings(settings: &VariationSettings) -> ChoiceSettings {
@@ -20,7 +22,7 @@ pub fn choice_settings(settings: &VariationSettings) -> ChoiceSettings {
             document::Coloring::Blend => Coloring::Blend,
         },
         strength: settings.strength,
-        ..ChoiceSettings::default()
+        selective: settings.walks,
     }
 }
 
@@ -64,10 +66,35 @@ pub fn gallery_slots(settings: &VariationSettings) -> Vec<Slot> {
 pub enum GalleryTree {
     /// Drawn with this seed from all exemplars.
     Drawn(u64),
-    /// Drawn with this seed near a mix of exemplars.
-    Near(Vec<Part>, u64),
-    /// This mix itself.
-    Kept(Vec<Part>),
+    /// Drawn with this seed near another tree.
+    Near(Arc<Genome>, u64),
+    /// This tree itself.
+    Kept(Arc<Genome>),
+    /// The child of this seed.
+    Bred(Arc<Brood>, u64),
+}
+
+impl GalleryTree {
+    /// The pictures whose colours the trees may take that it comes from, as its genomes count them.
+    pub fn likes(&self) -> Vec<usize> {
+        let genomes = match self {
+            Self::Drawn(_) => &[],
+            Self::Near(genome, _) | Self::Kept(genome) => std::slice::from_ref(genome.as_ref()),
+            Self::Bred(brood, _) => brood.parents.as_slice(),
+        };
+        genomes.iter().filter_map(|genome| genome.like).collect()
+    }
+}
+
+/// What all trees are to be that do not come with a will of their own.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Wishes {
+    /// What random choice may do.
+    pub choice: ChoiceSettings,
+    /// The picture whose colours they take, as whoever keeps such pictures counts them.
+    pub like: Option<usize>,
+    /// The season that they are put into.
+    pub season: Option<SeasonChoice>,
 }
 
 /// The exemplars of a library that trees are drawn from.
@@ -80,38 +107,84 @@ pub struct Pool {
 }
 
 impl Pool {
-    /// Decides on `tree` of `library`; the parts' indices are those of the library.
+    /// Decides on `tree` of `library`; the parts' indices are those of the library. Variations of a
+    /// target are individuals of its kind.
     ///
     /// # Errors
     /// [`ChoiceError`] when the combined cage has no area or no two members match.
     ///
     /// # Panics
     /// When a tree is drawn and there are no members.
-    pub fn chosen(
+    pub fn decided(
         &self,
         library: &Library<'_>,
         tree: &GalleryTree,
-        settings: &ChoiceSettings,
-    ) -> Result<Chosen, ChoiceError> {
+        wishes: &Wishes,
+    ) -> Result<Decided, ChoiceError> {
         let entries = library.entries();
-        let all = || -> Vec<&Shape> { entries.iter().map(|entry| entry.shape.as_ref()).collect() };
-        match tree {
-            GalleryTree::Kept(parts) => Ok(Chosen::of(parts.clone(), &all())?),
-            GalleryTree::Near(parts, seed) => {
-                Ok(Chosen::of(parts_near(parts, Seed(*seed)), &all())?)
-            }
-            GalleryTree::Drawn(seed) => {
-                let shape = |index: &usize| entries[*index].shape.as_ref();
-                let shapes: Vec<&Shape> = self.members.iter().map(shape).collect();
-                let target = self.has_target.then(|| self.members.len() - 1);
-                let mut chosen = chosen(&shapes, target, settings, Seed(*seed))?;
-                for part in &mut chosen.parts {
-                    part.exemplar = self.members[part.exemplar];
-                }
-                Ok(chosen)
-            }
-        }
+        let shapes: Vec<&Shape> = entries.iter().map(|entry| entry.shape.as_ref()).collect();
+        let mut decided = match tree {
+            GalleryTree::Kept(genome) => Decided {
+                chosen: Chosen::of(genome.parts.clone(), &shapes)?,
+                genome: Genome::clone(genome),
+            },
+            GalleryTree::Near(genome, seed) => near(genome, Seed(*seed), &shapes, wishes)?,
+            GalleryTree::Bred(brood, seed) => brood.child(&shapes, &self.members, Seed(*seed))?,
+            GalleryTree::Drawn(seed) => self.drawn(Seed(*seed), &shapes, wishes)?,
+        };
+        let finish = &mut decided.genome.finish;
+        finish.season = finish
+            .season
+            .map(|season| season.of_tree(&decided.chosen, library));
+        Ok(decided)
     }
+
+    fn drawn(
+        &self,
+        seed: Seed,
+        shapes: &[&Shape],
+        wishes: &Wishes,
+    ) -> Result<Decided, ChoiceError> {
+        let members: Vec<&Shape> = self.members.iter().map(|&index| shapes[index]).collect();
+        let target = self.has_target.then(|| self.members.len() - 1);
+        let mut chosen = chosen(&members, target, &wishes.choice, seed)?;
+        for part in &mut chosen.parts {
+            part.exemplar = self.members[part.exemplar];
+        }
+        let strength = target.map_or(0.0, |_| wishes.choice.strength);
+        let genome = Genome {
+            parts: chosen.parts.clone(),
+            like: wishes.like,
+            finish: Finish {
+                individual: IndividualSettings::drawn(strength, seed),
+                shift: None,
+                season: wishes.season,
+            },
+            seed,
+        };
+        Ok(Decided { genome, chosen })
+    }
+}
+
+/// A sibling of `genome`: shares nearby, foliage of its own.
+fn near(
+    genome: &Genome,
+    seed: Seed,
+    shapes: &[&Shape],
+    wishes: &Wishes,
+) -> Result<Decided, ChoiceError> {
+    let parts = parts_near(&genome.parts, seed);
+    let chosen = Chosen::of(parts.clone(), shapes)?;
+    let genome = Genome {
+        parts,
+        like: wishes.like.or(genome.like),
+        finish: Finish {
+            season: wishes.season.or(genome.finish.season),
+            ..genome.finish
+        },
+        seed,
+    };
+    Ok(Decided { genome, chosen })
 }
 
 /// The mix of `exemplars` with normalised shares, those of 0 left out; `index` finds a photograph in
@@ -155,24 +228,50 @@ pub fn parts_of_mix(
     used.iter().map(part).collect()
 }
 
-/// What is kept of a tree made of `parts`; `photo` tells the photograph of a library's exemplar.
-pub fn favourite_of(
-    name: String,
-    seed: u64,
-    parts: &[Part],
-    like: Option<PhotoId>,
-    photo: impl Fn(usize) -> PhotoId,
-) -> Favourite {
+/// What a tree that was kept is decided by; `index` finds a photograph in the library. `None` when one
+/// is not there.
+pub fn genome_of(
+    kept: &Favourite,
+    coloring: document::Coloring,
+    index: impl Fn(PhotoId) -> Option<usize>,
+) -> Option<Genome> {
+    Some(Genome {
+        parts: parts_of_mix(&kept.exemplars, &kept.color_weights, coloring, &index)?,
+        like: kept.like.and_then(index),
+        finish: kept.finish,
+        seed: Seed(kept.seed),
+    })
+}
+
+/// What children of a generation come from; `None` when no parent is there any more.
+pub fn brood_of(
+    generation: &Generation,
+    coloring: document::Coloring,
+    index: impl Fn(PhotoId) -> Option<usize>,
+) -> Option<Brood> {
+    let parents = generation.parents.iter();
+    let parents: Vec<Genome> = parents
+        .filter_map(|kept| genome_of(kept, coloring, &index))
+        .collect();
+    (!parents.is_empty()).then(|| Brood {
+        parents,
+        locks: generation.locks.clone(),
+    })
+}
+
+/// What is kept of the tree of `genome`; `photo` tells the photograph of a library's exemplar.
+pub fn favourite_of(name: String, genome: &Genome, photo: impl Fn(usize) -> PhotoId) -> Favourite {
     let exemplar = |part: &Part| ExemplarWeight {
         photo: photo(part.exemplar),
         weight: part.contour_weight,
     };
     Favourite {
         name,
-        seed,
-        exemplars: parts.iter().map(exemplar).collect(),
-        color_weights: parts.iter().map(|part| part.color_weight).collect(),
-        like,
+        seed: genome.seed.0,
+        exemplars: genome.parts.iter().map(exemplar).collect(),
+        color_weights: genome.parts.iter().map(|part| part.color_weight).collect(),
+        like: genome.like.map(&photo),
+        finish: genome.finish,
     }
 }
 
@@ -236,13 +335,17 @@ mod tests {
         assert!(parts_of_mix(&mix, &[], document::Coloring::One, |_| None).is_none());
         assert!(parts_of_mix(&mix[1..2], &[], document::Coloring::One, index).is_none());
         // A favourite gives the same mix again.
-        let kept = favourite_of("a".into(), 1, &parts, None, |index| PhotoId(index as u32));
-        let again = parts_of_mix(
-            &kept.exemplars,
-            &kept.color_weights,
-            document::Coloring::One,
-            index,
-        );
-        assert_eq!(again.unwrap(), parts);
+        let genome = Genome {
+            parts,
+            like: Some(3),
+            finish: Finish {
+                individual: IndividualSettings::drawn(0.4, Seed(1)),
+                ..Finish::default()
+            },
+            seed: Seed(1),
+        };
+        let kept = favourite_of("a".into(), &genome, |index| PhotoId(index as u32));
+        let again = genome_of(&kept, document::Coloring::One, index);
+        assert_eq!(again, Some(genome));
     }
 }

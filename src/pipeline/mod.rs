@@ -20,7 +20,8 @@ pub use crown::{
 };
 pub use frame::CrownFrame;
 pub use gallery::{
-    GalleryTree, Pool, Slot, choice_settings, favourite_of, gallery_slots, parts_of_mix,
+    GalleryTree, Pool, Slot, Wishes, brood_of, choice_settings, favourite_of, gallery_slots,
+    genome_of, parts_of_mix,
 };
 pub use live::{LiveCrown, LiveInput, LiveResult, Quality};
 pub use picture_shape::{PictureShape, picture_shape};

@@ -294,7 +294,7 @@ fn target_weights(count: usize, strength: f64, random: &mut Random) -> Vec<f64> 
     if count == 1 {
         return vec![1.0];
     }
-    let others = strength / 2.0 * random.between(0.5, 1.0);
+    let others = strength / 2.0 * random.between(0.7, 1.0);
     let mut weights = vec![1.0 - others];
     weights.extend(
         random
@@ -318,14 +318,14 @@ fn picked(weights: &[f64], random: &mut Random) -> usize {
 }
 
 /// Bounds of a distortion.
-struct Bounds {
+pub(super) struct Bounds {
     folded: f64,
     stretch: f64,
     smeared: f64,
 }
 
 /// What ends the search for a better draw: no streak shows at full size.
-const FINE: Bounds = Bounds {
+pub(super) const FINE: Bounds = Bounds {
     folded: 0.001,
     stretch: 1.7,
     smeared: 0.02,
@@ -340,7 +340,7 @@ const FIT: Bounds = Bounds {
 };
 
 impl Bounds {
-    fn hold(&self, found: &Distortion) -> bool {
+    pub(super) fn hold(&self, found: &Distortion) -> bool {
         found.folded <= self.folded
             && found.stretch <= self.stretch
             && found.smeared <= self.smeared
@@ -359,37 +359,40 @@ impl Distortion {
     }
 }
 
+/// A tree of straight lines: a crown twice as wide as `width` on a trunk, for tests.
 #[cfg(test)]
-mod tests {
-    use super::*;
+pub(super) fn drawn_shape(width: f64, density: f64) -> Shape {
     use crate::contour::{PinnedContour, Pins};
     use crate::geometry::Point;
-
-    fn shape(width: f64, density: f64) -> Shape {
-        let pins = Pins {
-            bottom: 0,
-            right: 1,
-            left: 5,
-        };
-        let x = [0.0, 10.0, width, width, -width, -width, -10.0];
-        let y = [100.0, 80.0, 70.0, 0.0, 0.0, 70.0, 80.0];
-        let outline: Vec<Point> = x
-            .iter()
-            .zip(y)
-            .map(|(x, y)| Point::new(60.0 + x, y))
-            .collect();
-        let contour = PinnedContour::resampled(&outline, pins, 100);
-        Shape {
-            size: 128,
-            cage: contour.clone(),
-            contour,
-            baseline_y: Some(80.0),
-            density,
-            fullness: density,
-            texture: 0.01,
-            gaps: Vec::new(),
-        }
+    let pins = Pins {
+        bottom: 0,
+        right: 1,
+        left: 5,
+    };
+    let x = [0.0, 10.0, width, width, -width, -width, -10.0];
+    let y = [100.0, 80.0, 70.0, 0.0, 0.0, 70.0, 80.0];
+    let outline: Vec<Point> = x
+        .iter()
+        .zip(y)
+        .map(|(x, y)| Point::new(60.0 + x, y))
+        .collect();
+    let contour = PinnedContour::resampled(&outline, pins, 100);
+    Shape {
+        size: 128,
+        cage: contour.clone(),
+        contour,
+        baseline_y: Some(80.0),
+        density,
+        fullness: density,
+        texture: 0.01,
+        gaps: Vec::new(),
     }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::drawn_shape as shape;
+    use super::*;
 
     #[test]
     fn the_same_seed_chooses_the_same_and_weights_are_convex() {

@@ -22,10 +22,10 @@ use crate::raster::{Mask, dilated, labelled_components, opaque_bounds};
 const VERTICES: usize = 12;
 
 /// Most gaps of a tree.
-const MOST: usize = 6;
+const MOST: usize = 8;
 
 /// Smallest gap, as a share of the picture's area: some 45 pixels square of 1,024.
-const LEAST_AREA: f64 = 0.002;
+const LEAST_AREA: f64 = 0.0015;
 
 /// Twigs and leaves stay this far from a gap, and gaps this far from the cage, for pictures of 1,024
 /// pixels: a polygon that touches the cage pinches the map between them.
@@ -33,10 +33,10 @@ const CLEARANCE_AT_1024: f64 = 3.0;
 const FROM_CAGE_AT_1024: f64 = 14.0;
 
 /// How far apart matching gaps may be, by the root of their mean area.
-const FARTHEST: f64 = 1.0;
+const FARTHEST: f64 = 1.6;
 
 /// How many times larger one of two matching gaps may be.
-const LARGEST_RATIO: f64 = 4.0;
+const LARGEST_RATIO: f64 = 8.0;
 
 /// The largest gaps in `mask` within the cage `cage`, the largest first, in pixels of the picture; each
 /// counter-clockwise as seen on screen from its topmost point on.

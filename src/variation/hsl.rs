@@ -5,6 +5,7 @@
 
 use crate::base::Random;
 use crate::raster::{Image, Straight};
+use serde::{Deserialize, Serialize};
 
 /// Largest change of hue in turns, of saturation and lightness as shares: a tenth of a turn more
 /// would make green trees blue.
@@ -13,7 +14,7 @@ const MOST_SATURATION: f64 = 0.2;
 const MOST_LIGHTNESS: f64 = 0.15;
 
 /// A change of all colours of a picture.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct HslShift {
     /// Added to the hue, in turns.
     pub hue: f64,
@@ -24,6 +25,13 @@ pub struct HslShift {
 }
 
 impl HslShift {
+    /// No change.
+    pub const NONE: Self = Self {
+        hue: 0.0,
+        saturation: 1.0,
+        lightness: 1.0,
+    };
+
     /// The change that a scene of jittered copies gives one of them; `amount` 0 is none.
     pub fn drawn(amount: f64, random: &mut Random) -> Self {
         let mut within = |most: f64| amount * random.between(-most, most);
@@ -31,6 +39,29 @@ impl HslShift {
             hue: within(MOST_HUE),
             saturation: 1.0 + within(MOST_SATURATION),
             lightness: 1.0 + within(MOST_LIGHTNESS),
+        }
+    }
+
+    /// The change between this one (`share` 0) and `other` (1).
+    #[must_use]
+    pub fn between(&self, other: &Self, share: f64) -> Self {
+        let mixed = |a: f64, b: f64| a + (b - a) * share;
+        Self {
+            hue: mixed(self.hue, other.hue),
+            saturation: mixed(self.saturation, other.saturation),
+            lightness: mixed(self.lightness, other.lightness),
+        }
+    }
+
+    /// This change and `other` after it, no larger than one drawn with the amount `most`.
+    #[must_use]
+    pub fn and(&self, other: &Self, most: f64) -> Self {
+        let hue = most * MOST_HUE;
+        let near_one = |value: f64, range: f64| value.clamp(1.0 - most * range, 1.0 + most * range);
+        Self {
+            hue: (self.hue + other.hue).clamp(-hue, hue),
+            saturation: near_one(self.saturation * other.saturation, MOST_SATURATION),
+            lightness: near_one(self.lightness * other.lightness, MOST_LIGHTNESS),
         }
     }
 

@@ -5,6 +5,7 @@ use super::{
     Source, WarpPrecision, synthesized,
 };
 use crate::base::{Cancel, Cancelled};
+use crate::contour::outlines;
 use crate::geometry::Point;
 use crate::raster::{Image, Straight};
 use crate::segment::Labels;
@@ -110,7 +111,9 @@ fn finished<'p>(
 pub struct Draft {
     /// The picture, [`Drafts::SIZE`] pixels square.
     pub image: Image<Straight>,
-    /// Its combined outline, in pixels of the picture.
+    /// Its crown and trunk.
+    pub labels: Labels,
+    /// The outline of what the picture shows, in pixels of it: that of its largest part.
     pub outline: Vec<Point>,
     /// How far its sources are distorted.
     pub distortion: Distortion,
@@ -168,10 +171,12 @@ impl Drafts {
             .collect();
         let palette = |index: usize| &small[index].palette;
         let (tree, before) = finished(&layout, &sources, like, palette, cancel)?;
+        let seen = tree.image.map(|pixel| pixel.alpha() >= 128);
         Ok(Some(Draft {
             histograms: before.map(|before| (Histogram::of(&before), Histogram::of(&tree.image))),
+            outline: outlines(&seen).longest_exterior().unwrap_or_default(),
             image: tree.image,
-            outline: layout.contour.points,
+            labels: tree.labels,
             distortion: layout.distortion,
         }))
     }

@@ -71,6 +71,8 @@ pub struct Layout {
     pub cage: PinnedContour,
     /// For each source the map from the new tree to it.
     pub warps: Vec<Warp>,
+    /// Gaps between branches that all sources have, where they are in the new tree.
+    pub gaps: Vec<Polygon>,
     /// The worst distortion among the maps whose source gives colour.
     pub distortion: Distortion,
     /// What becomes of leaves where a map stretches.
@@ -103,6 +105,7 @@ impl Layout {
             contour,
             cage,
             warps: maps.warps,
+            gaps: maps.gaps,
             distortion: maps.distortion,
             leaves: Leaves::default(),
         })
@@ -124,11 +127,12 @@ impl Layout {
 /// The maps of a mix, and the worst distortion among those whose source gives colour.
 struct Maps {
     warps: Vec<Warp>,
+    gaps: Vec<Polygon>,
     distortion: Distortion,
 }
 
 /// How much worse maps may get, see [`Distortion::penalty`], for gaps that stay where they belong.
-const WORSE_FOR_GAPS: f64 = 1.3;
+const WORSE_FOR_GAPS: f64 = 1.05;
 
 impl Maps {
     /// The maps from `cage`, the combination of `cages`, to each of these; with the gaps that all
@@ -151,26 +155,56 @@ impl Maps {
         if shapes.len() < 2 || common[0].is_empty() {
             return Ok(without);
         }
+        let mut best = without;
+        let limit = WORSE_FOR_GAPS * best.distortion.penalty();
+        let mut kept: Vec<usize> = Vec::new();
+        // All at once where that is good, else the largest first, each if the maps bear it.
+        let all: Vec<usize> = (0..common[0].len()).collect();
+        let single = all.iter().map(|&gap| vec![gap]);
+        for tried in std::iter::once(all.clone()).chain(single) {
+            let tried = [kept.clone(), tried].concat();
+            let with = Self::with_gaps(cage, cages, &tried, &common, &weights, size);
+            if let Some(with) = with
+                && with.distortion.folded <= best.distortion.folded
+                && with.distortion.penalty() <= limit
+            {
+                (best, kept) = (with, tried);
+            }
+            if kept.len() == all.len() {
+                break;
+            }
+        }
+        Ok(best)
+    }
+
+    /// The maps with the gaps `chosen` of those in common as further polygons; `None` where they have no
+    /// area.
+    fn with_gaps(
+        cage: &PinnedContour,
+        cages: &[Cow<'_, PinnedContour>],
+        chosen: &[usize],
+        common: &[Vec<Polygon>],
+        weights: &[(f64, f64)],
+        size: u32,
+    ) -> Option<Self> {
         let mut polygons = vec![cage.points.clone()];
-        polygons.extend((0..common[0].len()).map(|gap| {
-            let parts = common.iter().zip(&weights);
-            let parts = parts.map(|(own, (weight, _))| (&own[gap], *weight));
-            weighted_sum(parts)
+        polygons.extend(chosen.iter().map(|&gap| {
+            let parts = common.iter().zip(weights);
+            weighted_sum(parts.map(|(own, (weight, _))| (&own[gap], *weight)))
         }));
-        let Ok(target) = Cage::new(&polygons) else {
-            return Ok(without);
-        };
-        let with_gaps = cages.iter().zip(&common).map(|(own, gaps)| {
-            let points = own.points.iter().chain(gaps.iter().flatten());
-            target.moved(points.copied().collect())
+        let target = Cage::new(&polygons).ok()?;
+        let with_gaps = cages.iter().zip(common).map(|(own, gaps)| {
+            let gaps = chosen.iter().flat_map(|&gap| &gaps[gap]);
+            let points = own.points.iter().chain(gaps);
+            target.moved(points.copied().collect()).ok()
         });
-        let sources: Vec<Cage> = with_gaps.collect::<Result<_, _>>()?;
+        let sources: Vec<Cage> = with_gaps.collect::<Option<_>>()?;
         let around: Vec<&[Point]> = polygons.iter().map(Vec::as_slice).collect();
-        let with = Self::between(&target, &sources, &around, &weights, size)?;
-        let (found, limit) = (&with.distortion, &without.distortion);
-        let is_good =
-            found.folded <= limit.folded && found.penalty() <= WORSE_FOR_GAPS * limit.penalty();
-        Ok(if is_good { with } else { without })
+        let maps = Self::between(&target, &sources, &around, weights, size).ok()?;
+        Some(Self {
+            gaps: polygons.split_off(1),
+            ..maps
+        })
     }
 
     /// The maps from `target` to `sources`, whose shares are `weights` of outline and colours, measured
@@ -192,7 +226,11 @@ impl Maps {
             }
             warps.push(warp);
         }
-        Ok(Self { warps, distortion })
+        Ok(Self {
+            warps,
+            gaps: Vec::new(),
+            distortion,
+        })
     }
 }
 

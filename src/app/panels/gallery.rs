@@ -7,7 +7,8 @@ use super::super::studio::Studio;
 use super::super::theme::{GAP, TIGHT};
 use super::super::vary::{Cell, Tile};
 use super::super::vary_jobs::{EXEMPLARS, GALLERY};
-use super::gallery_tile::{TileLook, tile_ui};
+use super::gallery_breed::{self, Breeding};
+use super::gallery_tile::{Kind, TileLook, tile_ui};
 use super::textures::Textures;
 use super::{changed_settings, empty, gallery_large, gesture_of};
 use crate::base::Digest;
@@ -21,7 +22,9 @@ pub(super) struct Gallery {
     textures: Textures,
     /// Side of a tile, points.
     tile: f32,
-    selected: Option<Digest>,
+    /// The selected trees, in the order in which they were chosen.
+    selected: Vec<Digest>,
+    breeding: Breeding,
     /// The favourite whose name is being typed.
     renamed: Option<(usize, String)>,
 }
@@ -31,7 +34,8 @@ impl Default for Gallery {
         Self {
             textures: Textures::default(),
             tile: 148.0,
-            selected: None,
+            selected: Vec::new(),
+            breeding: Breeding::default(),
             renamed: None,
         }
     }
@@ -49,15 +53,19 @@ impl Gallery {
                 gallery_large::show(ui, studio, large, &mut self.textures, actions);
                 return;
             }
+            self.selected.retain(|key| vary.cell(*key).is_some());
             self.toolbar(ui, studio, actions);
             ui.add_space(TIGHT);
-            let below = 34.0;
+            let below = if self.selected.is_empty() { 34.0 } else { 64.0 };
             let height = (ui.available_height() - below).max(60.0);
             ui.allocate_ui(vec2(ui.available_width(), height), |ui| {
                 ui.set_min_height(height);
                 self.wall(ui, studio, actions);
             });
             self.told(ui, studio, actions);
+            if !self.selected.is_empty() {
+                gallery_breed::show(ui, studio, &self.selected, &mut self.breeding, actions);
+            }
         });
         self.textures.sweep(ui);
     }
@@ -97,6 +105,8 @@ impl Gallery {
                 if ui.add(chip).on_hover_text(help).clicked() {
                     actions.push(Action::Vary(VaryAction::MoreLike(None)));
                 }
+            } else {
+                gallery_breed::lineage(ui, settings.lineage.len(), actions);
             }
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 // Where there is little room, the progress has it while there is some.
@@ -119,36 +129,37 @@ impl Gallery {
         slider.on_hover_text("Size of the thumbnails.");
     }
 
-    /// Favourites, then the gallery; only rows that are seen are drawn.
+    /// Favourites, the parents of a generation, then the gallery; only rows that are seen are drawn.
     fn wall(&mut self, ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
         let vary = &studio.vary;
         let gap = vec2(GAP, GAP);
         let room = ui.available_width() - 12.0;
         let columns = (((room + gap.x) / (self.tile + gap.x)) as usize).max(1);
         let side = ((room + gap.x) / columns as f32 - gap.x).min(1.25 * self.tile);
-        let rows = |count: usize| count.div_ceil(columns);
-        let kept = rows(vary.favourites.len());
-        // A row for the heading, as high as the others so that rows can be counted.
+        // As high as each other, so that rows can be counted.
         let size = vec2(side, side + 20.0);
-        if kept > 0 {
+        if !vary.favourites.is_empty() {
             ui.weak(format!("Favourites: {}", vary.favourites.len()));
         }
-        let total = kept + rows(vary.gallery.len());
+        let groups = [
+            (Kind::Favourite, &vary.favourites),
+            (Kind::Parent, &vary.parents),
+            (Kind::New, &vary.gallery),
+        ];
+        let rows: Vec<(Kind, usize, &[Cell])> = groups
+            .iter()
+            .flat_map(|(kind, cells)| {
+                let rows = cells.chunks(columns).enumerate();
+                rows.map(|(row, cells)| (*kind, row * columns, cells))
+            })
+            .collect();
         ui.spacing_mut().item_spacing = gap;
         let area = egui::ScrollArea::vertical().auto_shrink(false);
-        area.show_rows(ui, size.y, total, |ui, range| {
-            for row in range {
+        area.show_rows(ui, size.y, rows.len(), |ui, range| {
+            for (kind, first, cells) in &rows[range] {
                 ui.horizontal(|ui| {
-                    let is_kept = row < kept;
-                    let (cells, row) = if is_kept {
-                        (&vary.favourites, row)
-                    } else {
-                        (&vary.gallery, row - kept)
-                    };
-                    let first = row * columns;
-                    let here = cells.iter().enumerate().skip(first).take(columns);
-                    for (index, cell) in here {
-                        self.tile_ui(ui, studio, (index, cell, is_kept), size, actions);
+                    for (index, cell) in (*first..).zip(*cells) {
+                        self.tile_ui(ui, studio, (index, cell, *kind), size, actions);
                     }
                 });
             }
@@ -159,40 +170,73 @@ impl Gallery {
         &mut self,
         ui: &mut Ui,
         studio: &Studio,
-        (index, cell, is_kept): (usize, &Cell, bool),
+        (index, cell, kind): (usize, &Cell, Kind),
         size: egui::Vec2,
         actions: &mut Vec<Action>,
     ) {
         let favourites = &studio.document().state().content().variation.favourites;
-        let name = if is_kept {
-            favourites
+        let name = match kind {
+            Kind::Favourite => favourites
                 .get(index)
-                .map_or(String::new(), |kept| kept.name.clone())
-        } else {
-            format!("{}", index + 1)
+                .map_or(String::new(), |kept| kept.name.clone()),
+            Kind::Parent | Kind::New => format!("{}", index + 1),
         };
         let look = TileLook {
             cell,
             name: &name,
-            is_kept,
-            is_favourite: is_kept || studio.favourite_index(cell).is_some(),
-            is_selected: self.selected == Some(cell.key),
+            kind,
+            is_favourite: kind == Kind::Favourite || studio.favourite_index(cell).is_some(),
+            is_selected: self.selected.contains(&cell.key),
+            is_alike: self.breeding.shown.contains(&cell.key),
             size,
         };
         if tile_ui(ui, studio, &look, &mut self.textures, actions) {
-            self.selected = Some(cell.key);
+            self.select(ui, studio, cell.key);
+        }
+    }
+
+    /// A click selects one tree; with Ctrl it takes one more or one less, with Shift all between.
+    fn select(&mut self, ui: &Ui, studio: &Studio, key: Digest) {
+        let modifiers = ui.input(|input| input.modifiers);
+        let all: Vec<Digest> = studio.vary.cells().map(|cell| cell.key).collect();
+        let at = |key: &Digest| all.iter().position(|other| other == key);
+        self.breeding.shown.clear();
+        if modifiers.shift
+            && let Some(from) = self.selected.last().and_then(at)
+            && let Some(to) = at(&key)
+        {
+            for key in &all[from.min(to)..=from.max(to)] {
+                if !self.selected.contains(key) {
+                    self.selected.push(*key);
+                }
+            }
+        } else if modifiers.command {
+            match self.selected.iter().position(|known| *known == key) {
+                Some(at) => drop(self.selected.remove(at)),
+                None => self.selected.push(key),
+            }
+        } else {
+            self.selected = vec![key];
         }
     }
 
     /// What is known of the selected tree, and what can be done with it.
     fn told(&mut self, ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
-        let found = self.selected.and_then(|key| studio.vary.cell(key));
         ui.add_space(TIGHT);
         ui.horizontal(|ui| {
-            let Some(cell) = found else {
-                ui.weak("Click a tree to see what it is made of. Double-click shows it large.");
-                return;
+            let cell = match self.selected[..] {
+                [] => {
+                    let told = "Click a tree to see what it is made of, with Ctrl or Shift more to breed from. Double-click shows it large.";
+                    ui.add(egui::Label::new(egui::RichText::new(told).weak()).truncate());
+                    None
+                }
+                [key] => studio.vary.cell(key),
+                _ => {
+                    self.breeding.score(ui, studio, &self.selected, actions);
+                    None
+                }
             };
+            let Some(cell) = cell else { return };
             self.name_ui(ui, studio, cell, actions);
             ui.weak("Seed");
             ui.monospace(cell.seed.to_string());
@@ -283,7 +327,7 @@ fn nothing(ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
 fn progress(ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {
     let jobs = studio.jobs.snapshot();
     let missing = studio.vary.missing_count();
-    let total = studio.vary.gallery.len() + studio.vary.favourites.len();
+    let total = studio.vary.cells().count();
     match jobs.iter().find(|job| job.topic.kind == GALLERY) {
         Some(job) if missing > 0 => {
             if ui.small_button("Stop").clicked() {
@@ -317,11 +361,20 @@ pub(super) fn made_of(studio: &Studio, tile: &Tile) -> String {
             .and_then(|id| photos.get(id))
             .map_or("?", |photo| photo.name.as_str())
     };
-    let mut parts = tile.parts.clone();
+    let mut parts = tile.genome.parts.clone();
     parts.sort_by(|a, b| b.contour_weight.total_cmp(&a.contour_weight));
     let shares = parts.iter().map(|part| {
         let share = 100.0 * part.contour_weight;
         format!("{share:.0} % {}", name(part.exemplar))
     });
-    shares.collect::<Vec<_>>().join(", ")
+    let mut told = shares.collect::<Vec<_>>().join(", ");
+    if tile
+        .genome
+        .finish
+        .individual
+        .is_some_and(|own| own.mirrored)
+    {
+        told.push_str(", mirrored");
+    }
+    told
 }

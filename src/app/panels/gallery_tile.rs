@@ -10,16 +10,36 @@ use super::icon::{self, Icon};
 use super::textures::Textures;
 use egui::{Align2, Color32, FontId, Rect, Response, Sense, StrokeKind, Ui, Vec2, pos2, vec2};
 
+/// What a tile stands among.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    Favourite,
+    /// The trees that the new ones were bred from.
+    Parent,
+    New,
+}
+
+impl Kind {
+    fn title(self) -> &'static str {
+        match self {
+            Self::Favourite => "Favourite",
+            Self::Parent => "Parent",
+            Self::New => "Tree",
+        }
+    }
+}
+
 /// How a tile looks.
 pub(super) struct TileLook<'a> {
     pub(super) cell: &'a Cell,
     /// What stands under it.
     pub(super) name: &'a str,
-    /// Whether it stands among the favourites.
-    pub(super) is_kept: bool,
-    /// Whether it is one.
+    pub(super) kind: Kind,
+    /// Whether it is a favourite.
     pub(super) is_favourite: bool,
     pub(super) is_selected: bool,
+    /// Whether it is one of the two that are most alike, and that is shown.
+    pub(super) is_alike: bool,
     pub(super) size: Vec2,
 }
 
@@ -32,8 +52,7 @@ pub(super) fn tile_ui(
     actions: &mut Vec<Action>,
 ) -> bool {
     let (rect, response) = ui.allocate_exact_size(look.size, Sense::click());
-    let kind = if look.is_kept { "Favourite" } else { "Tree" };
-    let label = format!("{kind} {}", look.name);
+    let label = format!("{} {}", look.kind.title(), look.name);
     response.widget_info(|| {
         egui::WidgetInfo::selected(egui::Role::Button, true, look.is_selected, &label)
     });
@@ -77,8 +96,13 @@ fn ground(ui: &Ui, look: &TileLook<'_>, rect: Rect, response: &Response) {
         (false, false) => tokens.sunken,
     };
     ui.painter().rect_filled(rect, 5.0, fill);
-    if look.is_selected {
-        let stroke = egui::Stroke::new(1.0, tokens.accent);
+    let frame = match (look.is_alike, look.is_selected) {
+        (true, _) => Some((3.0, tokens.warning)),
+        (false, true) => Some((1.0, tokens.accent)),
+        (false, false) => None,
+    };
+    if let Some((width, color)) = frame {
+        let stroke = egui::Stroke::new(width, color);
         ui.painter()
             .rect_stroke(rect, 5.0, stroke, StrokeKind::Inside);
     }
@@ -122,7 +146,11 @@ fn caption(ui: &Ui, look: &TileLook<'_>, rect: Rect) {
     let at = pos2(rect.left() + 2.0 * TIGHT, rect.bottom() - 11.0);
     let font = FontId::proportional(11.0);
     let room = rect.width() - 2.0 * icon::SIDE - 4.0 * TIGHT;
-    let text = super::pictures::elided(ui, look.name, room);
+    let name = match look.kind {
+        Kind::Parent => format!("Parent {}", look.name),
+        Kind::Favourite | Kind::New => look.name.to_owned(),
+    };
+    let text = super::pictures::elided(ui, &name, room);
     ui.painter()
         .text(at, Align2::LEFT_CENTER, text, font, color);
 }
@@ -135,7 +163,7 @@ fn buttons(ui: &Ui, look: &TileLook<'_>, rect: Rect, actions: &mut Vec<Action>) 
         let top = rect.bottom() - icon::SIDE - 1.0;
         Rect::from_min_size(pos2(right - icon::SIDE, top), vec2(icon::SIDE, icon::SIDE))
     };
-    let kind = if look.is_kept { "favourite" } else { "tree" };
+    let kind = look.kind.title().to_lowercase();
     let name = format!("Keep {kind} {}", look.name);
     let star = icon::button(
         ui,
@@ -150,7 +178,7 @@ fn buttons(ui: &Ui, look: &TileLook<'_>, rect: Rect, actions: &mut Vec<Action>) 
     {
         actions.push(Action::Vary(VaryAction::Keep(look.cell.key)));
     }
-    if look.is_kept {
+    if look.kind != Kind::New {
         return;
     }
     let name = format!("Lock tree {}", look.name);
@@ -181,7 +209,7 @@ fn menu(response: &Response, look: &TileLook<'_>, actions: &mut Vec<Action>) {
         ];
         let items = items
             .into_iter()
-            .filter(|(label, _)| !look.is_kept || *label != "Lock");
+            .filter(|(label, _)| look.kind == Kind::New || *label != "Lock");
         for (label, action) in items {
             if ui.button(label).clicked() {
                 actions.push(Action::Vary(action));

@@ -1,7 +1,6 @@
 //! A mix by hand: a point dragged between exemplars, and the tree that follows it.
 //!
-//! The outline is drawn from the shares at once; the tree is made beside the window and arrives a
-//! frame or two later.
+//! The tree is made beside the window and arrives a frame or two later, its outline with it.
 
 use super::super::act_vary::VaryAction;
 use super::super::action::{Action, Gesture};
@@ -68,7 +67,7 @@ impl Mix {
                 self.preview(ui, studio, side);
             });
             ui.checkbox(&mut self.shows_outline, "Outline")
-                .on_hover_text("Draws the combined outline over the tree.");
+                .on_hover_text("Draws the outline of the tree that is shown.");
             ui.add(egui::Label::new(egui::RichText::new(MAP_HELP).weak()).wrap());
             let area = egui::ScrollArea::vertical().auto_shrink(false);
             area.show(ui, |ui| shares(ui, studio, &self.corners, &mix, actions));
@@ -230,12 +229,12 @@ impl Mix {
                 ui.painter().text(at, align, words, font, tokens.warning);
             }
         }
-        if self.shows_outline {
-            let settings = &studio.document().state().content().variation;
-            let (outline, size) = studio.vary.mixed_outline(settings);
-            let scale = place.width() / size.max(1) as f32;
-            let on_screen = |p: &Point| place.min + vec2(p.x as f32, p.y as f32) * scale;
-            let points: Vec<Pos2> = outline.iter().step_by(3).map(on_screen).collect();
+        if let Some((_, draft)) = studio.vary.draft.as_ref().filter(|_| self.shows_outline) {
+            let scale = place.width() / draft.image.width().max(1) as f32;
+            // The points are the middles of pixels.
+            let on_screen =
+                |p: &Point| place.min + vec2(p.x as f32 + 0.5, p.y as f32 + 0.5) * scale;
+            let points: Vec<Pos2> = draft.outline.iter().step_by(2).map(on_screen).collect();
             // One by one: where an outline turns back on itself a joint would be a spike.
             let stroke = Stroke::new(1.3, tokens.accent);
             let next = points.iter().cycle().skip(1);

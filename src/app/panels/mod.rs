@@ -6,11 +6,13 @@ mod crown;
 mod exemplars;
 mod field;
 mod gallery;
+mod gallery_breed;
 mod gallery_large;
 mod gallery_tile;
 mod grid;
 mod icon;
 mod jobs;
+mod library_map;
 mod mix;
 mod outline;
 mod pictures;
@@ -18,6 +20,7 @@ mod pin_editor;
 mod profile;
 pub(super) mod screen;
 mod search;
+mod season;
 mod textures;
 mod thumbnails;
 mod variation;
@@ -39,6 +42,7 @@ pub(super) struct Panels {
     exemplars: exemplars::Exemplars,
     gallery: gallery::Gallery,
     mix: mix::Mix,
+    library_map: library_map::LibraryMap,
     variation: variation::Variation,
 }
 
@@ -52,6 +56,7 @@ impl Panels {
             exemplars: exemplars::Exemplars::default(),
             gallery: gallery::Gallery::default(),
             mix: mix::Mix::default(),
+            library_map: library_map::LibraryMap::default(),
             variation: variation::Variation::default(),
         }
     }
@@ -71,6 +76,7 @@ impl Panels {
             Pane::Exemplars => self.exemplars.show(ui, studio, actions),
             Pane::Gallery => self.gallery.show(ui, studio, actions),
             Pane::Mix => self.mix.show(ui, studio, actions),
+            Pane::Map => self.library_map.show(ui, studio, actions),
             Pane::Variation => self.variation.show(ui, studio, actions),
             Pane::Jobs => jobs::show(ui, studio, actions),
         }

@@ -53,6 +53,8 @@ impl Variation {
             area.max_height(height).show(ui, |ui| {
                 chances(ui, studio, settings, actions);
                 self.target(ui, studio, settings, actions);
+                heading(ui, "Season");
+                super::season::show(ui, studio, settings, &mut self.textures, actions);
                 self.colors(ui, studio, settings, actions);
             });
             ui.add_space(TIGHT);

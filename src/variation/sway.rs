@@ -1,0 +1,309 @@
+//! A crown moved by smooth waves: limbs sway, the outline swells and shrinks.
+//!
+//! An eye knows a tree by its outline and its stem first, so those are moved most. Three fields displace
+//! the picture: *sway*, noise in both directions, long waves and short ones; *swell*, noise along the
+//! normal of the crown's rounded outline, which makes lobes and bays and, however short its waves along
+//! the outline, folds nothing; and the *stem*, which leans and bends a little and lifts its crown or lets
+//! it down. The foot stays; the first two fade in above the crown's lower end. Nothing grows out of
+//! the picture.
+//!
+//! Limits: where waves of all kinds come together the picture may fold over a few pixels; foliage hides it.
+
+use super::Tree;
+use super::noise::Noise;
+use crate::base::{Cancel, Cancelled, Random};
+use crate::raster::{
+    Image, Mask, Straight, dilated, flooded_from_outside, opaque_bounds, smoothed_within,
+};
+use crate::segment::crown_baseline;
+use rayon::prelude::*;
+
+/// Length and height of the waves in which limbs sway, in cell sizes, at full strength.
+const SWAY: [[f64; 2]; 2] = [[5.5, 1.0], [2.4, 0.4]];
+
+/// The same of the waves in which the outline swells.
+const SWELL: [[f64; 2]; 2] = [[3.2, 0.9], [1.6, 0.3]];
+
+/// How far the top may lean and the middle of the tree bend aside, in cell sizes, at full strength.
+const LEAN: f64 = 0.8;
+const BEND: f64 = 0.6;
+
+/// Length and height of the waves in which a bare stem winds, in cell sizes, and how far its bark moves up
+/// or down, as a share of it: knots and bends by which one knows a stem again come elsewhere.
+const WINDS: [[f64; 2]; 2] = [[1.4, 0.12], [0.6, 0.05]];
+const BARK: f64 = 0.16;
+
+/// How far the crown's lower end may move up or down, in cell sizes, and as shares of the stem below and
+/// of the crown above it.
+const LIFT: f64 = 1.4;
+const MOST_OF_STEM: f64 = 0.45;
+const MOST_OF_CROWN: f64 = 0.18;
+
+/// Standard deviation of the Gaussian that rounds the outline before its normal is taken, in cell sizes.
+const ROUNDED: f64 = 1.3;
+
+/// Nodes of the rounded outline in a cell size.
+const NODES: f64 = 6.0;
+
+/// Gaps up to twice this wide, in cell sizes, belong to the inside although the sky reaches into them.
+const CLOSED: f64 = 0.16;
+
+/// `tree` with its crown moved; `side` is the size of a cell, pixels.
+///
+/// # Errors
+/// [`Cancelled`].
+pub(super) fn swayed(
+    tree: &Tree,
+    side: f64,
+    strength: f64,
+    random: &mut Random,
+    cancel: &Cancel,
+) -> Result<Tree, Cancelled> {
+    let (image, labels) = (&tree.image, &tree.labels);
+    let moves = Moves {
+        sway: [0; 2].map(|_| Waves::new(SWAY, random)),
+        swell: Waves::new(SWELL, random),
+        stem: Stem::new(tree, side, strength, random),
+        rounded: Rounded::of(image, side, cancel)?,
+        width: f64::from(image.width()),
+        side,
+        strength,
+    };
+    let width = image.width() as usize;
+    let mut swayed = tree.clone();
+    let rows = swayed.image.pixels_mut().par_chunks_mut(width);
+    rows.zip(swayed.labels.pixels_mut().par_chunks_mut(width))
+        .enumerate()
+        .for_each(|(y, (pixels, out))| {
+            for (x, (pixel, label)) in pixels.iter_mut().zip(out).enumerate() {
+                let [u, v] = moves.source(x as f64, y as f64);
+                *pixel = between_pixels(image, u, v);
+                let near = |value: f64| (value + 0.5).floor() as i64;
+                *label = labels.get(near(u), near(v)).unwrap_or_default();
+            }
+        });
+    Ok(swayed)
+}
+
+/// All that moves a tree.
+struct Moves {
+    sway: [Waves; 2],
+    swell: Waves,
+    stem: Stem,
+    rounded: Rounded,
+    /// Of the picture, pixels.
+    width: f64,
+    side: f64,
+    strength: f64,
+}
+
+impl Moves {
+    /// The place that pixel (x, y) of the moved tree comes from.
+    fn source(&self, x: f64, y: f64) -> [f64; 2] {
+        let Self { side, stem, .. } = self;
+        let [leant, lifted] = stem.at(y);
+        let free = ((stem.low - y) / (2.0 * side)).clamp(0.0, 1.0) * self.strength * side;
+        let (mut dx, mut dy) = (leant, lifted);
+        if free > 0.0 {
+            let place = [x / side, y / side];
+            let inwards = self.rounded.inwards(x, y);
+            let swell = self.swell.at(place);
+            let [across, down] =
+                [0, 1].map(|axis| self.sway[axis].at(place) + swell * inwards[axis]);
+            dx += free * across;
+            dy += free * down;
+        }
+        // Towards the frame the tree may shrink but not grow.
+        let near = |gap: f64| (gap / (1.2 * side)).clamp(0.0, 1.0);
+        let toward = |move_in: f64, gap: f64| {
+            if move_in > 0.0 {
+                move_in * near(gap)
+            } else {
+                move_in
+            }
+        };
+        let dx = if dx > 0.0 {
+            toward(dx, x)
+        } else {
+            -toward(-dx, self.width - 1.0 - x)
+        };
+        [x + dx, y + toward(dy, y)]
+    }
+}
+
+/// How the stem stands.
+struct Stem {
+    top: f64,
+    /// Where the crown begins.
+    low: f64,
+    foot: f64,
+    lean: f64,
+    bend: f64,
+    lift: f64,
+    winds: Waves,
+    bark: f64,
+    side: f64,
+    strength: f64,
+}
+
+impl Stem {
+    fn new(tree: &Tree, side: f64, strength: f64, random: &mut Random) -> Self {
+        let bounds = opaque_bounds(&tree.image.map(|pixel| pixel.alpha() >= 96));
+        let (top, foot) = bounds.map_or((0.0, 1.0), |bounds| {
+            let top = f64::from(bounds.y);
+            (top, top + f64::from(bounds.height))
+        });
+        let baseline = crown_baseline(&tree.labels);
+        let low = baseline.map_or(f64::from(tree.image.height()), f64::from);
+        let [lean, bend, lift, bark] = [0; 4].map(|_| random.between(-1.0, 1.0));
+        let most = (MOST_OF_STEM * (foot - low)).min(MOST_OF_CROWN * (low - top));
+        Self {
+            top,
+            low,
+            foot,
+            lean: LEAN * side * strength * lean,
+            bend: BEND * side * strength * bend,
+            lift: (LIFT * side).min(most.max(0.0)) * strength * lift,
+            winds: Waves::new(WINDS, random),
+            bark: BARK * (foot - low).max(0.0) * strength * bark,
+            side,
+            strength,
+        }
+    }
+
+    /// How far aside and below a row of the moved tree comes from.
+    fn at(&self, y: f64) -> [f64; 2] {
+        let height = ((self.foot - y) / (self.foot - self.top).max(1.0)).clamp(0.0, 1.0);
+        let aside =
+            self.lean * height * height + self.bend * libm::sin(std::f64::consts::PI * height);
+        if y < self.low {
+            let share = (y - self.top) / (self.low - self.top).max(1.0);
+            return [aside, self.lift * share.clamp(0.0, 1.0)];
+        }
+        let share = (self.foot - y) / (self.foot - self.low).max(1.0);
+        let share = share.clamp(0.0, 1.0);
+        // Foot and crown keep their places.
+        let between = libm::sin(std::f64::consts::PI * share);
+        // A short stem has no room to wind.
+        let room = ((self.foot - self.low) / (3.0 * self.side)).min(1.0);
+        let winds = self.winds.at([0.0, y / self.side]) * self.side * self.strength * room;
+        [
+            aside + winds * between,
+            self.lift * share + self.bark * between * between,
+        ]
+    }
+}
+
+/// Where the tree is, gaps between its leaves and boughs included: those of new foliage take their
+/// place. `side` is the size of a cell, pixels.
+pub(super) fn without_gaps(image: &Image<Straight>, side: f64) -> Mask {
+    let reach = (CLOSED * side).clamp(1.0, 60.0) as u8;
+    let seen = image.map(|pixel| pixel.alpha() >= 96);
+    let filled = flooded_from_outside(&dilated(&seen, reach));
+    let outside = dilated(&filled.map(|inside| !inside), reach);
+    outside.map(|outside| !outside)
+}
+
+/// Noise of two wave lengths.
+struct Waves {
+    waves: [(Noise, [f64; 2]); 2],
+}
+
+impl Waves {
+    fn new(waves: [[f64; 2]; 2], random: &mut Random) -> Self {
+        Self {
+            waves: waves.map(|wave| (Noise::new(random), wave)),
+        }
+    }
+
+    /// From minus to plus the sum of their heights.
+    fn at(&self, [x, y]: [f64; 2]) -> f64 {
+        let wave = |(noise, [length, height]): &(Noise, [f64; 2])| {
+            2.0 * height * (noise.at([x / length, y / length]) - 0.5)
+        };
+        self.waves.iter().map(wave).sum()
+    }
+}
+
+/// The rounded inside of a crown on a coarse grid: 0 outside, 1 inside.
+struct Rounded {
+    inside: Image<f32>,
+    /// Nodes for a pixel.
+    scale: f64,
+}
+
+impl Rounded {
+    fn of(image: &Image<Straight>, side: f64, cancel: &Cancel) -> Result<Self, Cancelled> {
+        let scale = (NODES / side).min(1.0);
+        let nodes = |pixels: u32| ((f64::from(pixels) * scale).ceil() as u32).max(2) + 1;
+        let mask = without_gaps(image, side);
+        let (width, height) = (nodes(image.width()), nodes(image.height()));
+        let node = |i: u32| {
+            let [x, y] = [i % width, i / width].map(|at| (f64::from(at) / scale) as i64);
+            f32::from(u8::from(mask.get(x, y).unwrap_or(false)))
+        };
+        let inside = Image::from_pixels(width, height, (0..width * height).map(node).collect());
+        let everywhere = inside.map(|_| true);
+        Ok(Self {
+            inside: smoothed_within(&inside, &everywhere, ROUNDED * NODES, cancel)?,
+            scale,
+        })
+    }
+
+    /// The direction into the crown at pixel (x, y), of length 1 on the rounded outline and less away
+    /// from it.
+    fn inwards(&self, x: f64, y: f64) -> [f64; 2] {
+        let (x, y) = (x * self.scale, y * self.scale);
+        let across = self.at(x + 1.0, y) - self.at(x - 1.0, y);
+        let down = self.at(x, y + 1.0) - self.at(x, y - 1.0);
+        let value = self.at(x, y);
+        let length = (across * across + down * down).sqrt();
+        let share = 4.0 * value * (1.0 - value) / length.max(1e-9);
+        // Where nothing rises there is no outline.
+        let is_flat = length < 1e-6;
+        [across, down].map(|along| if is_flat { 0.0 } else { share * along })
+    }
+
+    /// Bilinear between nodes.
+    fn at(&self, x: f64, y: f64) -> f64 {
+        let (width, height) = (self.inside.width(), self.inside.height());
+        let within = |value: f64, nodes: u32| value.clamp(0.0, f64::from(nodes) - 1.001);
+        let (x, y) = (within(x, width), within(y, height));
+        let (left, top) = (x.floor(), y.floor());
+        let (s, t) = (x - left, y - top);
+        let node = |dx: u32, dy: u32| f64::from(self.inside.at(left as u32 + dx, top as u32 + dy));
+        let upper = node(0, 0) + (node(1, 0) - node(0, 0)) * s;
+        let lower = node(0, 1) + (node(1, 1) - node(0, 1)) * s;
+        upper + (lower - upper) * t
+    }
+}
+
+/// The colour of `image` at a place between its pixels: bilinear, weighted by alpha.
+pub(super) fn between_pixels(image: &Image<Straight>, x: f64, y: f64) -> Straight {
+    let (left, top) = (x.floor(), y.floor());
+    let (s, t) = (x - left, y - top);
+    let mut sums = [0.0f64; 4];
+    let corners = [
+        (0, 0, 1.0 - s, 1.0 - t),
+        (1, 0, s, 1.0 - t),
+        (0, 1, 1.0 - s, t),
+        (1, 1, s, t),
+    ];
+    for (dx, dy, across, down) in corners {
+        let Some(pixel) = image.get(left as i64 + dx, top as i64 + dy) else {
+            continue;
+        };
+        let share = across * down * f64::from(pixel.alpha());
+        for (sum, value) in sums.iter_mut().zip(pixel.0) {
+            *sum += share * f64::from(value);
+        }
+        sums[3] += share - share * f64::from(pixel.alpha());
+    }
+    let alpha = sums[3];
+    let color = |c: usize| (sums[c] / alpha.max(1e-9) + 0.5).clamp(0.0, 255.0) as u8;
+    let alpha = (alpha + 0.5).clamp(0.0, 255.0) as u8;
+    if alpha == 0 {
+        return Straight([0; 4]);
+    }
+    Straight([color(0), color(1), color(2), alpha])
+}

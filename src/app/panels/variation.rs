@@ -54,7 +54,8 @@ impl Variation {
                 chances(ui, studio, settings, actions);
                 self.target(ui, studio, settings, actions);
                 heading(ui, "Season");
-                super::season::show(ui, studio, settings, &mut self.textures, actions);
+                let textures = self.thumbnails.textures();
+                super::season::show(ui, studio, settings, textures, actions);
                 self.colors(ui, studio, settings, actions);
             });
             ui.add_space(TIGHT);

@@ -3,7 +3,7 @@
 use super::super::failure::Failure;
 use super::row::Row;
 use crate::base::Cancel;
-use crate::document::{Document, Edit, PhotoId};
+use crate::document::{Document, Edit, NewPhoto, PhotoId};
 use crate::paint::{BrushSettings, CROWN, Paint, Sample, Stroke, TiledMask};
 use std::sync::Arc;
 use std::time::Instant;
@@ -49,13 +49,9 @@ fn painted(hardness: f64, cancel: &Cancel) -> Result<(Vec<f64>, Vec<f64>), Failu
     let mut project = Document::new();
     let refused = |error: crate::document::EditError| Failure::Environment(error.to_string());
     let photo = PhotoId(project.state().content().next_photo);
-    let edit = Edit::AddPhoto {
-        name: "large".into(),
-        // The project does not look into pictures.
-        bytes: Arc::from(*b"large"),
-        width: SIDE,
-        height: SIDE,
-    };
+    // The project does not look into pictures.
+    let large = NewPhoto::new("large", Arc::from(*b"large"), (SIDE, SIDE));
+    let edit = Edit::AddPhotos(vec![large]);
     project.apply("Add Picture", edit).map_err(refused)?;
     let settings = BrushSettings {
         radius_px: 100.0,

@@ -8,7 +8,13 @@ use std::path::{Path, PathBuf};
 
 /// Files that may open files: one place for the plain ones, loaders and writers with a reason (the
 /// store of projects keeps backups, locks and autosaves beside them).
-const MAY_OPEN_FILES: [&str; 4] = ["base/file.rs", "batch/", "cli/", "document/store/"];
+const MAY_OPEN_FILES: [&str; 5] = [
+    "base/file.rs",
+    "base/part.rs",
+    "batch/",
+    "cli/",
+    "document/store/",
+];
 
 /// Words of paths that open, list or remove files.
 const OPENING: [&str; 4] = ["std::fs", "File::", "OpenOptions", "fs::"];

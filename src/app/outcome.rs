@@ -64,6 +64,27 @@ fn topic(kind: &'static str, item: u64) -> Topic {
 }
 
 impl Studio {
+    fn add_pictures(&mut self, pictures: Vec<NewPhoto>, failures: Vec<String>) {
+        let first = self.document.state().content().next_photo;
+        let label = match pictures.len() {
+            1 => "Add Picture",
+            _ => "Add Pictures",
+        };
+        self.end_gesture();
+        match self.document.apply(label, Edit::AddPhotos(pictures)) {
+            Ok(true) => {
+                self.document.view_mut().photo = Some(PhotoId(first));
+                self.effects.push(Effect::ZoomToFit);
+                self.changed();
+            }
+            Ok(false) => {}
+            Err(error) => self.notify(Severity::Error, error.to_string()),
+        }
+        for failure in failures {
+            self.notify(Severity::Error, failure);
+        }
+    }
+
     /// Takes up what jobs tell. Whether anything did.
     pub fn take_outcomes(&mut self) -> bool {
         let mut took = false;

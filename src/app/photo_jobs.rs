@@ -3,9 +3,9 @@
 use super::dock::Pane;
 use super::outcome::Outcome;
 use super::photos::{MissingWork, THUMBNAIL_PX, Thumbnail, Wanted};
-use super::studio::{Effect, Severity, Studio};
+use super::studio::Studio;
 use crate::base::{Cancel, Cancelled, Stage, read_limited};
-use crate::document::{Edit, NewPhoto, PhotoId};
+use crate::document::{NewPhoto, PhotoId};
 use crate::jobs::{Context, JobError, Priority, Request, Topic};
 use crate::raster::{
     Image, ImageError, Pyramid, ReadLimits, Rect, Refusal, Straight, read_image_from_memory,
@@ -100,29 +100,6 @@ impl Studio {
         let name = "Adding pictures";
         self.jobs
             .submit(Request::new(name, topic, Priority::Interactive, work));
-    }
-}
-
-impl Studio {
-    pub(super) fn add_pictures(&mut self, pictures: Vec<NewPhoto>, failures: Vec<String>) {
-        let first = self.document.state().content().next_photo;
-        let label = match pictures.len() {
-            1 => "Add Picture",
-            _ => "Add Pictures",
-        };
-        self.end_gesture();
-        match self.document.apply(label, Edit::AddPhotos(pictures)) {
-            Ok(true) => {
-                self.document.view_mut().photo = Some(PhotoId(first));
-                self.effects.push(Effect::ZoomToFit);
-                self.changed();
-            }
-            Ok(false) => {}
-            Err(error) => self.notify(Severity::Error, error.to_string()),
-        }
-        for failure in failures {
-            self.notify(Severity::Error, failure);
-        }
     }
 }
 

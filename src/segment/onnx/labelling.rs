@@ -27,6 +27,8 @@ struct Worth {
     word: f32,
     /// And when they do not.
     silence: f32,
+    /// Smallest trunk, as part of the tree's pixels. The smallest of the hand-labelled ones has 0.6 %.
+    least_trunk: f64,
 }
 
 /// With clear ground: on 245 drawn trees that the rules were not made for, they name 85 % of the bark
@@ -36,12 +38,15 @@ struct Worth {
 const OF_CUT_OUT: Worth = Worth {
     word: 55.0,
     silence: 0.05,
+    least_trunk: 0.002,
 };
 
 /// In a photograph the rules follow a tree that the network has cut out, roughly.
 const OF_PHOTO: Worth = Worth {
     word: 10.0,
     silence: 0.5,
+    // Slivers of ground and fence below a tree are about as large as very thin trunks.
+    least_trunk: 0.005,
 };
 
 /// Least likelihood of either: no network is surer than that.
@@ -56,9 +61,6 @@ const BAND: f64 = 0.12;
 /// A further piece that reaches the ground is a trunk too when it has this part of the largest one's
 /// pixels: trees of several stems.
 const FURTHER: f64 = 0.3;
-
-/// Smallest trunk, as part of the tree's pixels. The smallest of the hand-labelled ones has 0.6 %.
-const LEAST_TRUNK: f64 = 0.002;
 
 /// Pieces of a photograph's tree that are apart from the largest one and smaller than this part of it
 /// are other plants.
@@ -94,7 +96,7 @@ pub(super) fn labelled(
     let rules = Classical.segment(&cut_out(picture, crop, &tree), cancel)?;
     let worth = if has_alpha { OF_CUT_OUT } else { OF_PHOTO };
     let bark = bark(&tree, likelihoods, &rules, &worth);
-    let trunk = trunk(&tree, &bark);
+    let trunk = trunk(&tree, &bark, worth.least_trunk);
     let mut labels = Image::filled(picture.width(), picture.height(), Label::Background);
     for y in 0..crop.height {
         let from = crop.x as usize..(crop.x + crop.width) as usize;
@@ -188,7 +190,9 @@ fn main_pieces(tree: &Mask) -> Mask {
 }
 
 /// The pixels of the trunk: what of `bark` is connected and stands on the ground, holes filled.
-fn trunk(tree: &Mask, bark: &Mask) -> Mask {
+///
+/// None when that is less than the share `least` of the tree.
+fn trunk(tree: &Mask, bark: &Mask, least: f64) -> Mask {
     let none = || tree.map(|_| false);
     let is_occupied = |y: &u32| tree.row(*y).contains(&true);
     let rows = || 0..tree.height();
@@ -200,7 +204,7 @@ fn trunk(tree: &Mask, bark: &Mask) -> Mask {
     let stands = |piece: &Piece| f64::from(piece.bottom) >= ground;
     let counts = pieces.iter().filter(|p| stands(p)).map(|p| p.count);
     let largest = counts.max().unwrap_or(0) as f64;
-    if largest < LEAST_TRUNK * tree.count() as f64 || largest == 0.0 {
+    if largest < least * tree.count() as f64 || largest == 0.0 {
         return none();
     }
     let kept = |number: &u32| {

@@ -300,7 +300,8 @@ def asked(studio, key, folder):
     """Opens a dialog that writes to a folder, and has it write to `folder`."""
     studio.hand("key", key)
     time.sleep(2.0)
-    # The folder's field has the keyboard.
+    # The folder's field has the keyboard; in it stands where was written last.
+    studio.hand("key", "ctrl+a")
     studio.hand("type", str(folder))
     time.sleep(0.5)
     studio.hand("key", "Return")

@@ -17,10 +17,8 @@ use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
-use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use window::{Window, wait};
+use window::{Window, boscage, contents, wait};
 
 /// Width and height of the photograph, and the disc that is its crown.
 const SIZE: (u32, u32) = (160, 200);
@@ -204,33 +202,6 @@ fn the_canvas_looks_where_it_looked_when_the_project_was_saved() {
     let now = view(&window).unwrap();
     assert!((now.zoom / looked.zoom - 1.0).abs() < 1e-6, "{now:?}");
     assert!((now.center.0 - looked.center.0).abs() < 1e-3, "{now:?}");
-}
-
-/// All files below `folder`, by their path in it.
-fn contents(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
-    let mut found = BTreeMap::new();
-    let mut folders = vec![folder.to_owned()];
-    while let Some(next) = folders.pop() {
-        for entry in std::fs::read_dir(next).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                folders.push(path);
-            } else {
-                let name = path.strip_prefix(folder).unwrap().to_owned();
-                found.insert(name, std::fs::read(path).unwrap());
-            }
-        }
-    }
-    found
-}
-
-fn boscage(arguments: &[&std::ffi::OsStr]) {
-    let run = std::process::Command::new(env!("CARGO_BIN_EXE_boscage"))
-        .args(arguments)
-        .output()
-        .unwrap();
-    let told = String::from_utf8_lossy(&run.stderr);
-    assert!(run.status.success(), "{told}");
 }
 
 #[test]

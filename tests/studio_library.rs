@@ -11,7 +11,7 @@ mod window;
 use boscage::app::{Action, BatchSettings, Command, Pen, VaryAction, Which, Workspace};
 use boscage::paint::Sample;
 use boscage::raster::{
-    Compression, Image, ReadLimits, Rect, Straight, encode_png, read_image_from_memory, resized,
+    Compression, Image, ReadLimits, Straight, encode_png, read_image_from_memory, resized,
 };
 use egui::accesskit::Role;
 use egui::{Event, Modifiers, MouseWheelUnit, TouchPhase, pos2, vec2};
@@ -171,14 +171,14 @@ fn ten_thousand_pictures_scroll_and_fit_into_memory() {
     let small = |tree: &_| {
         let image: Image<Straight> = decoded(tree);
         let (width, height) = (image.width(), image.height());
-        let whole = Rect {
-            x: 0,
-            y: 0,
-            width,
-            height,
-        };
         let premultiplied = image.premultiplied();
-        resized(&premultiplied, whole, 144, 144 * height / width).straight()
+        resized(
+            &premultiplied,
+            premultiplied.rect(),
+            144,
+            144 * height / width,
+        )
+        .straight()
     };
     let trees: Vec<Image<Straight>> = trees.iter().map(small).collect();
     let pictures = tempfile::tempdir().unwrap();

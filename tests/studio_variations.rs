@@ -3,6 +3,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+mod window;
+
 use boscage::app::{
     Action, BatchSettings, Command, ExportChoice, Gesture, Shell, Studio, VaryAction, Which,
     Workspace,
@@ -10,9 +12,9 @@ use boscage::app::{
 use boscage::document::{Edit, VariationSettings};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
+use window::{boscage, contents};
 
 type Window = Harness<'static, Shell>;
 
@@ -171,19 +173,7 @@ fn pins_are_dragged_and_trees_follow_here_and_from_their_record() {
     };
     let tree = record["trees"].as_array().unwrap().iter().find(is_pinned);
     let file = tree.unwrap()["file"].as_str().unwrap();
-    let again = folder.path().join("again");
-    let of_tree = format!("{}#{file}", ours.join("library.json").display());
-    let vary: [&std::ffi::OsStr; 6] = [
-        "vary".as_ref(),
-        "--recipe".as_ref(),
-        of_tree.as_ref(),
-        "--no-cache".as_ref(),
-        "--out".as_ref(),
-        again.as_os_str(),
-    ];
-    boscage(&vary);
-    let [ours, again] = [ours, again].map(|at| std::fs::read(at.join(file)).unwrap());
-    assert!(again == ours);
+    check_made_again(&ours, file, &folder.path().join("again"));
 
     let forget = Edit::SetPins(id, None);
     let (label, gesture) = ("Find Pins Again", Gesture::Whole);
@@ -201,31 +191,22 @@ fn pins_are_dragged_and_trees_follow_here_and_from_their_record() {
     assert_eq!(window.state().studio().document().digest(), before);
 }
 
-/// All files below `folder`, by their path in it.
-fn contents(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
-    let mut found = BTreeMap::new();
-    let mut folders = vec![folder.to_owned()];
-    while let Some(next) = folders.pop() {
-        for entry in std::fs::read_dir(next).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                folders.push(path);
-            } else {
-                let name = path.strip_prefix(folder).unwrap().to_owned();
-                found.insert(name, std::fs::read(path).unwrap());
-            }
-        }
-    }
-    found
-}
-
-fn boscage(arguments: &[&std::ffi::OsStr]) {
-    let run = std::process::Command::new(env!("CARGO_BIN_EXE_boscage"))
-        .args(arguments)
-        .output()
-        .unwrap();
-    let told = String::from_utf8_lossy(&run.stderr);
-    assert!(run.status.success(), "{told}");
+/// Checks that the command line makes the tree `name` of the library in `made` again from its record,
+/// in the folder `again`.
+fn check_made_again(made: &Path, name: &str, again: &Path) {
+    let of_tree = format!("{}#{name}", made.join("library.json").display());
+    let vary: [&std::ffi::OsStr; 6] = [
+        "vary".as_ref(),
+        "--recipe".as_ref(),
+        of_tree.as_ref(),
+        "--no-cache".as_ref(),
+        "--out".as_ref(),
+        again.as_os_str(),
+    ];
+    boscage(&vary);
+    let file = format!("{}.png", name.trim_end_matches(".png"));
+    let [ours, again] = [made, again].map(|at| std::fs::read(at.join(&file)).unwrap());
+    assert!(again == ours);
 }
 
 #[test]
@@ -318,19 +299,7 @@ fn a_batch_of_the_gallery_is_made_again(window: &mut Window, folder: &Path) {
         let mut notices = studio.notices().iter();
         notices.any(|notice| notice.text.starts_with("Made 3 trees"))
     });
-    let again = folder.join("again");
-    let of_tree = format!("{}#tree_0001", ours.join("library.json").display());
-    let vary: [&std::ffi::OsStr; 6] = [
-        "vary".as_ref(),
-        "--recipe".as_ref(),
-        of_tree.as_ref(),
-        "--no-cache".as_ref(),
-        "--out".as_ref(),
-        again.as_os_str(),
-    ];
-    boscage(&vary);
-    let [ours, again] = [ours, again].map(|at| std::fs::read(at.join("tree_0001.png")).unwrap());
-    assert!(ours == again);
+    check_made_again(&ours, "tree_0001", &folder.join("again"));
 }
 
 #[test]

@@ -84,16 +84,15 @@ impl MakeDialog {
                 (true, true) => {
                     self.engine(ui);
                     self.of_crowns(ui);
-                    self.of_models(ui);
                 }
                 (true, false) => {
                     self.engine(ui);
                     self.of_trees(ui);
-                    self.of_models(ui);
                 }
                 (false, _) => self.pictures(ui),
             }
             if self.is_export {
+                self.of_models(ui);
                 ui.add_space(TIGHT);
                 let readme = self.export.preset.readme();
                 ui.add(egui::Label::new(

@@ -303,10 +303,7 @@ impl Studio {
         let told = match (source, confidence) {
             (Source::Learned, Some(confidence)) => {
                 let percent = 100.0 * confidence;
-                let who = match self.model_name() {
-                    Some(name) => format!("the model {name}"),
-                    None => "the learned segmenter".to_owned(),
-                };
+                let who = self.learned_title();
                 format!("Proposed by {who}, {percent:.0} % sure. Correct it by hand.")
             }
             _ => "Proposed by the classical segmenter. Correct it by hand.".to_owned(),

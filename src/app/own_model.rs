@@ -39,6 +39,14 @@ impl Studio {
         self.own_model.as_ref().map(|own| own.name.as_str())
     }
 
+    /// What learned labels are said to come from.
+    pub(super) fn learned_title(&self) -> String {
+        self.model_name().map_or_else(
+            || "the learned segmenter".to_owned(),
+            |name| format!("the model {name}"),
+        )
+    }
+
     /// Has models tried out by `program`, which must be Boscage; else by the program that runs.
     pub fn try_models_with(&mut self, program: PathBuf) {
         self.trial_program = Some(program);

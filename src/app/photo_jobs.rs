@@ -8,8 +8,7 @@ use crate::base::{Cancel, Cancelled, Stage, read_limited};
 use crate::document::{NewPhoto, PhotoId};
 use crate::jobs::{Context, JobError, Priority, Request, Topic};
 use crate::raster::{
-    Image, ImageError, Pyramid, ReadLimits, Rect, Refusal, Straight, read_image_from_memory,
-    resized,
+    Image, ImageError, Pyramid, ReadLimits, Refusal, Straight, read_image_from_memory, scaled,
 };
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -187,17 +186,10 @@ fn picture(path: &Path, limits: ReadLimits) -> Result<NewPhoto, ImageError> {
 }
 
 fn thumbnail(image: &Image<Straight>) -> Image<Straight> {
-    let (width, height) = (image.width(), image.height());
-    let scale = f64::from(THUMBNAIL_PX) / f64::from(width.max(height));
-    let side = |length: u32| ((f64::from(length) * scale).round() as u32).max(1);
-    if scale >= 1.0 {
+    let longer = image.width().max(image.height());
+    if longer <= THUMBNAIL_PX {
         return image.clone();
     }
-    let whole = Rect {
-        x: 0,
-        y: 0,
-        width,
-        height,
-    };
-    resized(&image.premultiplied(), whole, side(width), side(height)).straight()
+    let scale = f64::from(THUMBNAIL_PX) / f64::from(longer);
+    scaled(&image.premultiplied(), scale).straight()
 }

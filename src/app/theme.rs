@@ -52,6 +52,17 @@ pub(super) struct Tokens {
     pub(super) channels: [Color32; 3],
 }
 
+impl Tokens {
+    /// Behind a picture that can be chosen.
+    pub(super) fn stamp(&self, is_chosen: bool, is_hovered: bool) -> Color32 {
+        match (is_chosen, is_hovered) {
+            (true, _) => self.chosen,
+            (false, true) => self.hovered,
+            (false, false) => self.sunken,
+        }
+    }
+}
+
 /// The colours of labels 1 to 9, over any photograph: told apart also by those who see red and green
 /// alike.
 const LABELS: [Color32; 9] = [

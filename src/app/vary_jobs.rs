@@ -8,7 +8,7 @@ use crate::base::{Cancel, Digest, Hasher, Seed};
 use crate::document::PhotoId;
 use crate::jobs::{Context, JobError, Priority, Request, Topic};
 use crate::pipeline::{Pool, Wishes};
-use crate::raster::{Image, Premultiplied, Rect, Straight, resized};
+use crate::raster::{Image, Premultiplied, Straight, resized};
 use crate::segment::{Auto, Segmenter as _};
 use crate::variation::{
     CompatibilityGraph, Decided, Draft, Drafts, Exemplar, ExemplarSettings, Finish, Library,
@@ -380,13 +380,7 @@ fn prepared(
 
 /// The whole of a square picture at another size.
 pub(super) fn reduced(image: &Image<Premultiplied>, size: u32) -> Image<Premultiplied> {
-    let whole = Rect {
-        x: 0,
-        y: 0,
-        width: image.width(),
-        height: image.height(),
-    };
-    resized(image, whole, size, size)
+    resized(image, image.rect(), size, size)
 }
 
 /// The palette of an exemplar, made once.

@@ -3,7 +3,7 @@
 use super::failure::Failure;
 use super::run::Run;
 use crate::base::Seed;
-use crate::raster::{Image, Premultiplied, ReadLimits, Rect, Straight, read_image, resized};
+use crate::raster::{Image, Premultiplied, ReadLimits, Straight, read_image, scaled};
 use crate::sheet::{Cell, Forest, rows_of_trees};
 use crate::variation::{HslShift, Look, MOST_COMPARED, Repetition};
 use rayon::prelude::*;
@@ -172,16 +172,4 @@ fn at_most(image: &Image<Premultiplied>, side: u32) -> Image<Premultiplied> {
     } else {
         scaled(image, f64::from(side) / f64::from(longer))
     }
-}
-
-fn scaled(image: &Image<Premultiplied>, scale: f64) -> Image<Premultiplied> {
-    let (width, height) = (image.width(), image.height());
-    let whole = Rect {
-        x: 0,
-        y: 0,
-        width,
-        height,
-    };
-    let side = |pixels: u32| ((f64::from(pixels) * scale).round() as u32).max(1);
-    resized(image, whole, side(width), side(height))
 }

@@ -3,7 +3,7 @@
 use super::failure::Failure;
 use super::run::Run;
 use crate::raster::{
-    Compression, Image, Premultiplied, ReadLimits, Rect, encode_png, read_image, resized,
+    Compression, Image, Premultiplied, ReadLimits, encode_png, read_image, scaled,
 };
 use crate::sheet::{Cell, contact_sheet};
 use std::path::{Path, PathBuf};
@@ -41,14 +41,7 @@ pub(crate) fn draw(files: &[PathBuf], path: &Path, session: &Run<'_>) -> Result<
 /// The picture in `file`, no larger than a cell.
 fn small(file: &Path) -> Result<Image<Premultiplied>, Failure> {
     let image = read_image(file, ReadLimits::default())?.premultiplied();
-    let (width, height) = (image.width(), image.height());
-    let whole = Rect {
-        x: 0,
-        y: 0,
-        width,
-        height,
-    };
-    let scale = (f64::from(CELL_PX) / f64::from(width.max(height))).min(1.0);
-    let side = |pixels: u32| ((f64::from(pixels) * scale).round() as u32).max(1);
-    Ok(resized(&image, whole, side(width), side(height)))
+    let longer = image.width().max(image.height());
+    let scale = (f64::from(CELL_PX) / f64::from(longer)).min(1.0);
+    Ok(scaled(&image, scale))
 }

@@ -12,7 +12,7 @@ use super::run::Run;
 use crate::base::{Digest, Progress, Seed};
 use crate::export::{bled, crown_file_names};
 use crate::pipeline::{CrownError, CrownSettings, crown};
-use crate::raster::{Image, Mask, Straight, dilated, opaque_bounds};
+use crate::raster::{Image, Mask, Straight, dilated, eroded, opaque_bounds};
 use crate::segment::Label;
 use crate::variation::Tree;
 use serde_json::json;
@@ -132,8 +132,7 @@ fn crown_mask(tree: &Tree) -> Mask {
     let (width, height) = (tree.image.width(), tree.image.height());
     let seen: Mask = Image::from_pixels(width, height, is_crown.collect());
     let reach = (GAP * f64::from(width)).round().clamp(1.0, 60.0) as u8;
-    let outside = dilated(&dilated(&seen, reach).map(|near| !near), reach);
-    outside.map(|outside| !outside)
+    eroded(&dilated(&seen, reach), reach)
 }
 
 /// The picture with the crown's dark inside in its gaps: foliage there is none, but depth.

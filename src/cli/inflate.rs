@@ -439,14 +439,8 @@ fn scaled(coverage: &Image<u8>, size: u32) -> Mask {
         let scaled = u64::from(side) * u64::from(size) + u64::from(longer) / 2;
         ((scaled / u64::from(longer)) as u32).max(1)
     };
-    let whole = Rect {
-        x: 0,
-        y: 0,
-        width,
-        height,
-    };
     let image = coverage.map(|&value| Premultiplied([0, 0, 0, value]));
-    resized(&image, whole, side(width), side(height)).map(|pixel| pixel.alpha() >= 128)
+    resized(&image, image.rect(), side(width), side(height)).map(|pixel| pixel.alpha() >= 128)
 }
 
 fn union(regions: &[SubCrown]) -> Mask {

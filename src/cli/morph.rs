@@ -7,7 +7,7 @@ use super::output::recipe;
 use super::session::Session;
 use super::{Job, Stages};
 use crate::base::{Digest, Hasher};
-use crate::raster::{Compression, Image, Premultiplied, Rect, Straight, encode_png, resized};
+use crate::raster::{Compression, Image, Premultiplied, Straight, encode_png, resized};
 use crate::segment::standard;
 use crate::sheet::{Cell, contact_sheet};
 use crate::variation::{
@@ -215,12 +215,6 @@ impl Ends {
 
 /// `image`, square, at most `side` pixels wide.
 fn reduced(image: &Image<Premultiplied>, side: u32) -> Image<Premultiplied> {
-    let all = Rect {
-        x: 0,
-        y: 0,
-        width: image.width(),
-        height: image.height(),
-    };
     let side = side.min(image.width());
-    resized(image, all, side, side)
+    resized(image, image.rect(), side, side)
 }

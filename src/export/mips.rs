@@ -49,12 +49,7 @@ pub fn mips(
     regions: &[Rect],
     cancel: &Cancel,
 ) -> Result<Vec<Image<Straight>>, Cancelled> {
-    let whole = Rect {
-        x: 0,
-        y: 0,
-        width: image.width(),
-        height: image.height(),
-    };
+    let whole = image.rect();
     let regions = if regions.is_empty() {
         std::slice::from_ref(&whole)
     } else {
@@ -341,15 +336,6 @@ mod tests {
     use super::*;
     use crate::base::Seed;
 
-    fn whole(image: &Image<Straight>) -> Rect {
-        Rect {
-            x: 0,
-            y: 0,
-            width: image.width(),
-            height: image.height(),
-        }
-    }
-
     /// Thin bright leaves of random places on clear black ground: the worst for fringes.
     fn leaves(width: u32, height: u32, share: f64, seed: u64) -> Image<Straight> {
         let mut random = Seed(seed).random();
@@ -370,19 +356,19 @@ mod tests {
             let image = leaves(width, height, share, 5);
             let chain = mips(&image, &[], &Cancel::new()).unwrap();
             let (wanted, mean) = (
-                coverage(&image, whole(&image)),
-                mean_of_visible(&image, whole(&image)).unwrap(),
+                coverage(&image, image.rect()),
+                mean_of_visible(&image, image.rect()).unwrap(),
             );
             assert_eq!(chain.last().unwrap().pixels().len(), 1);
             for level in &chain {
                 let texels = level.pixels().len() as f64;
                 let allowed = 0.05f64.max(0.5 / texels + 1e-9);
-                let found = coverage(level, whole(level));
+                let found = coverage(level, level.rect());
                 assert!(
                     (found - wanted).abs() <= allowed,
                     "{texels}: {found} {wanted}"
                 );
-                if let Some(found) = mean_of_visible(level, whole(level)) {
+                if let Some(found) = mean_of_visible(level, level.rect()) {
                     for (found, mean) in found.iter().zip(mean) {
                         assert!((found - mean).abs() <= 3.0, "{texels}: {found} {mean}");
                     }

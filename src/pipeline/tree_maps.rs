@@ -14,7 +14,7 @@
 use crate::base::{Cancel, Cancelled, Progress};
 use crate::crown::{Domain, Inflation, InflationError, ReliefSettings, relief};
 use crate::raster::{
-    Image, Mask, Rect, Straight, dilated, flooded_from_outside, opaque_bounds, resized,
+    Image, Mask, Straight, dilated, eroded, flooded_from_outside, opaque_bounds, scaled,
 };
 use rayon::prelude::*;
 
@@ -65,15 +65,8 @@ pub struct TreeMaps {
 pub fn tree_maps(image: &Image<Straight>, cancel: &Cancel) -> Result<TreeMaps, Cancelled> {
     let (width, height) = (image.width(), image.height());
     let scale = (f64::from(GRID) / f64::from(width.max(height))).min(1.0);
-    let side = |pixels: u32| ((f64::from(pixels) * scale).round() as u32).max(1);
-    let whole = Rect {
-        x: 0,
-        y: 0,
-        width,
-        height,
-    };
     // A frame of clear pixels: the ring around the mask must lie on the grid.
-    let small = resized(&image.premultiplied(), whole, side(width), side(height)).straight();
+    let small = scaled(&image.premultiplied(), scale).straight();
     let small = framed(&small);
     cancel.check()?;
     let mask = closed(&small.map(|pixel| pixel.alpha() >= 64));
@@ -185,15 +178,9 @@ fn framed(image: &Image<Straight>) -> Image<Straight> {
 
 /// The mask with gaps closed and holes filled.
 fn closed(mask: &Mask) -> Mask {
-    let grown = flooded_from_outside(&dilated(mask, CLOSING_PX));
-    let outside = dilated(&grown.map(|inside| !inside), CLOSING_PX);
-    let pixels = outside.pixels().iter().zip(mask.pixels());
-    Image::from_pixels(
-        mask.width(),
-        mask.height(),
-        pixels
-            .map(|(outside, inside)| !outside || *inside)
-            .collect(),
+    eroded(
+        &flooded_from_outside(&dilated(mask, CLOSING_PX)),
+        CLOSING_PX,
     )
 }
 

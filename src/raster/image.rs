@@ -1,5 +1,6 @@
 //! A rectangle of pixels, and the two meanings an RGBA pixel can have.
 
+use super::rect::Rect;
 use bytemuck::{Pod, Zeroable};
 
 /// An RGBA pixel whose colour does not depend on its alpha: what image files hold.
@@ -98,6 +99,16 @@ impl<P: Copy> Image<P> {
     #[inline]
     pub fn height(&self) -> u32 {
         self.height
+    }
+
+    /// All of the picture.
+    pub fn rect(&self) -> Rect {
+        Rect {
+            x: 0,
+            y: 0,
+            width: self.width,
+            height: self.height,
+        }
     }
 
     /// All pixels, row by row from the top.

@@ -32,11 +32,11 @@ pub use grey16::{Grey16Error, decode_grey16_png, encode_grey16_png};
 pub use image::{Image, Premultiplied, Straight};
 #[cfg(test)]
 pub(crate) use mask::mask;
-pub use mask::{Mask, dilated, flooded_from_outside, labelled_components, opaque_bounds};
+pub use mask::{Mask, dilated, eroded, flooded_from_outside, labelled_components, opaque_bounds};
 pub use pyramid::Pyramid;
 pub use read::{
     ImageError, PictureFormat, ReadLimits, Refusal, read_image, read_image_from_memory,
 };
 pub use rect::Rect;
-pub use resample::resized;
+pub use resample::{resized, scaled};
 pub use write::{Compression, encode_grey_png, encode_jpeg, encode_opaque_png, encode_png};

@@ -74,6 +74,13 @@ struct Taps {
     weights: Vec<f32>,
 }
 
+/// All of `image`, its sides `scale` times as long, rounded, and at least 1; see [`resized`].
+pub fn scaled(image: &Image<Premultiplied>, scale: f64) -> Image<Premultiplied> {
+    let side = |pixels: u32| ((f64::from(pixels) * scale).round() as u32).max(1);
+    let (width, height) = (side(image.width()), side(image.height()));
+    resized(image, image.rect(), width, height)
+}
+
 /// The taps of all `target` pixels made from `source` pixels.
 fn taps(source: u32, target: u32) -> Vec<Taps> {
     let scale = f64::from(source) / f64::from(target);

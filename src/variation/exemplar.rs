@@ -10,7 +10,7 @@ use crate::base::{Cancel, Cancelled, Progress};
 use crate::contour::{HandPins, Outlines, PinnedContour, Pins, filled, outlines, pins};
 use crate::geometry::{Point, Polygon};
 use crate::raster::{
-    Image, Mask, Premultiplied, Rect, Straight, dilated, labelled_components, resized,
+    Image, Mask, Premultiplied, Straight, dilated, eroded, labelled_components, resized,
 };
 use crate::segment::{
     Label, Labels, Provenance, SegmentError, Segmented, Segmenter, crown_baseline,
@@ -212,19 +212,13 @@ impl Exemplar {
     /// therefore show what the full size will.
     pub fn resized(&self, size: u32) -> Self {
         let own = self.shape.size;
-        let whole = Rect {
-            x: 0,
-            y: 0,
-            width: own,
-            height: own,
-        };
         let nearest =
             |i: u32| ((2 * u64::from(i) + 1) * u64::from(own) / (2 * u64::from(size))) as u32;
         let places = (0..size).flat_map(|y| (0..size).map(move |x| (x, y)));
         let labels = places.map(|(x, y)| self.labels.at(nearest(x), nearest(y)));
         Self {
             shape: self.shape.resized(size),
-            image: resized(&self.image, whole, size, size),
+            image: resized(&self.image, self.image.rect(), size, size),
             labels: Image::from_pixels(size, size, labels.collect()),
             provenance: self.provenance.clone(),
         }
@@ -362,8 +356,7 @@ const BRIDGE_AT_1024: f64 = 48.0;
 fn closed_and_grown(inside: &Mask, radius: f64, size: u32) -> Mask {
     let bridge = (BRIDGE_AT_1024 * f64::from(size) / 1024.0).round();
     let far = dilated(inside, (bridge + radius).min(255.0) as u8);
-    let outside = far.map(|inside| !inside);
-    dilated(&outside, bridge.min(255.0) as u8).map(|outside| !outside)
+    eroded(&far, bridge.min(255.0) as u8)
 }
 
 /// Adds to `inside` the parts of `mask` that a dilation by `radius` of both would join to it.

@@ -24,7 +24,7 @@ const VERTICES: usize = 12;
 /// Most gaps of a tree.
 const MOST: usize = 8;
 
-/// Smallest gap, as a share of the picture's area: some 45 pixels square of 1,024.
+/// Smallest gap, as a share of the picture's area: some 40 pixels square of 1,024.
 const LEAST_AREA: f64 = 0.0015;
 
 /// Twigs and leaves stay this far from a gap, and gaps this far from the cage, for pictures of 1,024

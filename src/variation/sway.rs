@@ -13,7 +13,7 @@ use super::Tree;
 use super::noise::Noise;
 use crate::base::{Cancel, Cancelled, Random};
 use crate::raster::{
-    Image, Mask, Straight, dilated, flooded_from_outside, opaque_bounds, smoothed_within,
+    Image, Mask, Straight, dilated, eroded, flooded_from_outside, opaque_bounds, smoothed_within,
 };
 use crate::segment::crown_baseline;
 use rayon::prelude::*;
@@ -199,9 +199,7 @@ impl Stem {
 pub(super) fn without_gaps(image: &Image<Straight>, side: f64) -> Mask {
     let reach = (CLOSED * side).clamp(1.0, 60.0) as u8;
     let seen = image.map(|pixel| pixel.alpha() >= 96);
-    let filled = flooded_from_outside(&dilated(&seen, reach));
-    let outside = dilated(&filled.map(|inside| !inside), reach);
-    outside.map(|outside| !outside)
+    eroded(&flooded_from_outside(&dilated(&seen, reach)), reach)
 }
 
 /// Noise of two wave lengths.

@@ -5,6 +5,8 @@
 use boscage::app::Shell;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 pub(crate) type Window = Harness<'static, Shell>;
@@ -52,4 +54,32 @@ pub(crate) fn wait(window: &mut Window, is_so: impl Fn(&Shell) -> bool) {
         window.step();
     }
     window.step();
+}
+
+/// All files below `folder`, by their path in it.
+pub(crate) fn contents(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    let mut folders = vec![folder.to_owned()];
+    while let Some(next) = folders.pop() {
+        for entry in std::fs::read_dir(next).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else {
+                let name = path.strip_prefix(folder).unwrap().to_owned();
+                found.insert(name, std::fs::read(path).unwrap());
+            }
+        }
+    }
+    found
+}
+
+/// Runs the command line, which must succeed.
+pub(crate) fn boscage(arguments: &[&std::ffi::OsStr]) {
+    let run = std::process::Command::new(env!("CARGO_BIN_EXE_boscage"))
+        .args(arguments)
+        .output()
+        .unwrap();
+    let told = String::from_utf8_lossy(&run.stderr);
+    assert!(run.status.success(), "{told}");
 }

@@ -55,7 +55,7 @@ impl Exemplars {
                 self.search.field(ui, studio);
             });
             ui.add_space(TIGHT);
-            let found = self.search.found(studio).to_vec();
+            let found = self.search.found(studio);
             let layout = |room: f32| {
                 let columns = (((room + GAP) / (STAMP + GAP)) as usize).max(1);
                 let side = (room + GAP) / columns as f32 - GAP;
@@ -258,7 +258,7 @@ fn told(studio: &Studio, id: PhotoId, photo: &Photo, refused: Option<&String>) -
                 Some(_) => "a trunk was found",
                 None => "no trunk shows",
             };
-            let labelled = labelled(&entry.provenance, studio.model_name());
+            let labelled = labelled(&entry.provenance, &studio.learned_title());
             format!(
                 "{}\nCrown and trunk were told apart by {labelled}: {trunk}.\nThe crown is {:.0} % dense. Dots are the pins: foot and tops of the trunk.\nClick to take it in or leave it out; drag it to a colour well; right-click sets the pins.",
                 photo.name,
@@ -269,15 +269,11 @@ fn told(studio: &Studio, id: PhotoId, photo: &Photo, refused: Option<&String>) -
 }
 
 /// Who told crown and trunk apart, in a sentence's words.
-fn labelled(provenance: &Provenance, model: Option<&str>) -> String {
+fn labelled(provenance: &Provenance, learned: &str) -> String {
     let reason = provenance.reason.as_ref();
     match (provenance.source, provenance.confidence) {
         (Source::Learned, Some(confidence)) => {
-            let who = match model {
-                Some(name) => format!("the model {name}"),
-                None => "the learned segmenter".to_owned(),
-            };
-            format!("{who} ({:.0} % sure)", 100.0 * confidence)
+            format!("{learned} ({:.0} % sure)", 100.0 * confidence)
         }
         (source, _) => match reason {
             Some(reason) => format!("the {source} segmenter ({reason})"),

@@ -90,11 +90,7 @@ fn picture_rect(rect: Rect) -> Rect {
 
 fn ground(ui: &Ui, look: &TileLook<'_>, rect: Rect, response: &Response) {
     let tokens = tokens(ui);
-    let fill = match (look.is_selected, response.hovered()) {
-        (true, _) => tokens.chosen,
-        (false, true) => tokens.hovered,
-        (false, false) => tokens.sunken,
-    };
+    let fill = tokens.stamp(look.is_selected, response.hovered());
     ui.painter().rect_filled(rect, 5.0, fill);
     let frame = match (look.is_alike, look.is_selected) {
         (true, _) => Some((3.0, tokens.warning)),

@@ -12,9 +12,10 @@ use super::super::vary::Prepared;
 use super::textures::Textures;
 use super::{changed_settings, empty};
 use crate::base::Hasher;
-use crate::document::VariationSettings;
+use crate::document::{PhotoId, VariationSettings};
 use crate::variation::Neighbour;
 use egui::{Align2, Color32, FontId, Pos2, Rect, Sense, Stroke, Ui, pos2, vec2};
+use std::collections::BTreeSet;
 
 /// Side of an exemplar's picture, points: that of few, and the least of many.
 const LARGEST: f32 = 64.0;
@@ -73,7 +74,8 @@ impl LibraryMap {
         // What is drawn last lies on top.
         let hovered = places.iter().rposition(is_near);
         let mix = studio.vary.mix(settings);
-        let is_in = |index: usize| mix.iter().any(|part| part.photo == prepared.photos[index]);
+        let mixed: BTreeSet<PhotoId> = mix.iter().map(|part| part.photo).collect();
+        let is_in = |index: usize| mixed.contains(&prepared.photos[index]);
         lines(
             &painter,
             prepared,

@@ -45,7 +45,7 @@ impl Pictures {
             ui.add_space(TIGHT);
             let size = vec2(THUMBNAIL + 2.0 * TIGHT, THUMBNAIL + 22.0);
             let columns = |room: f32| ((room + GAP) / (size.x + GAP)) as usize;
-            let found = self.search.found(studio).to_vec();
+            let found = self.search.found(studio);
             let layout = |room: f32| (columns(room), size);
             grid::show(ui, found.len(), layout, |ui, index, _| {
                 if let Some((&id, photo)) = photos.get_key_value(&found[index]) {
@@ -79,11 +79,7 @@ impl Pictures {
         let response = response.on_hover_text(told);
         if ui.is_rect_visible(rect) {
             let tokens = tokens(ui);
-            let fill = match (is_shown, response.hovered()) {
-                (true, _) => tokens.chosen,
-                (false, true) => tokens.hovered,
-                (false, false) => tokens.sunken,
-            };
+            let fill = tokens.stamp(is_shown, response.hovered());
             ui.painter().rect_filled(rect, 4.0, fill);
             let picture = egui::Rect::from_min_size(
                 rect.min + vec2(TIGHT, TIGHT),

@@ -3,6 +3,7 @@
 use super::super::studio::Studio;
 use crate::document::PhotoId;
 use egui::{TextEdit, Ui, WidgetInfo};
+use std::sync::Arc;
 
 /// Pictures that an eye finds without a field for it.
 const FEW: usize = 24;
@@ -12,7 +13,7 @@ const FEW: usize = 24;
 pub(super) struct Search {
     text: String,
     /// What was found, with the state of the project and the words that it was found by.
-    found: Option<(u64, String, Vec<PhotoId>)>,
+    found: Option<(u64, String, Arc<[PhotoId]>)>,
 }
 
 impl Search {
@@ -35,19 +36,21 @@ impl Search {
     }
 
     /// The pictures whose names contain all words of the field, in the order of the project.
-    pub(super) fn found(&mut self, studio: &Studio) -> &[PhotoId] {
+    pub(super) fn found(&mut self, studio: &Studio) -> Arc<[PhotoId]> {
         let generation = studio.generation;
-        let is_known = |(of, text, _): &(u64, String, _)| *of == generation && *text == self.text;
-        if !self.found.as_ref().is_some_and(is_known) {
-            let photos = &studio.document().state().content().photos;
-            let words = words(&self.text);
-            let found = photos
-                .iter()
-                .filter(|(_, photo)| matches(&photo.name, &words));
-            let found = found.map(|(id, _)| *id).collect();
-            self.found = Some((generation, self.text.clone(), found));
+        if let Some((of, text, found)) = &self.found
+            && (*of, text) == (generation, &self.text)
+        {
+            return Arc::clone(found);
         }
-        self.found.as_ref().map_or(&[], |(_, _, found)| found)
+        let photos = &studio.document().state().content().photos;
+        let words = words(&self.text);
+        let found = photos
+            .iter()
+            .filter(|(_, photo)| matches(&photo.name, &words));
+        let found: Arc<[PhotoId]> = found.map(|(id, _)| *id).collect();
+        self.found = Some((generation, self.text.clone(), Arc::clone(&found)));
+        found
     }
 }
 

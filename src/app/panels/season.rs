@@ -125,11 +125,7 @@ fn stamp(
         egui::WidgetInfo::selected(egui::Role::RadioButton, true, is_on, name)
     });
     let tokens = tokens(ui);
-    let fill = match (is_on, response.hovered()) {
-        (true, _) => tokens.chosen,
-        (false, true) => tokens.hovered,
-        (false, false) => tokens.sunken,
-    };
+    let fill = tokens.stamp(is_on, response.hovered());
     ui.painter().rect_filled(rect, 5.0, fill);
     if is_on {
         let stroke = egui::Stroke::new(1.0, tokens.accent);

@@ -6,7 +6,7 @@ use crate::base::{Cancel, Cancelled, Random};
 use crate::branches::individual::Individual;
 use crate::branches::noise::{noise3, ramp};
 use crate::branches::species::species_named;
-use crate::raster::{Image, Rect, Straight, resized};
+use crate::raster::{Image, Straight, resized};
 use glam::Vec3;
 
 /// Paints `count` trees about `away_m` off, from side to side of the picture.
@@ -80,15 +80,9 @@ fn stand(
     mirrored: bool,
     tint: impl Fn(Vec3) -> Vec3,
 ) {
-    let whole = Rect {
-        x: 0,
-        y: 0,
-        width: image.width(),
-        height: image.height(),
-    };
     let tall = tall.clamp(2, image.height());
     let wide = (image.width() * tall / image.height()).max(1);
-    let mut small = resized(&image.premultiplied(), whole, wide, tall).straight();
+    let mut small = resized(&image.premultiplied(), image.rect(), wide, tall).straight();
     if mirrored {
         for row in 0..tall {
             small.row_mut(row).reverse();

@@ -254,12 +254,7 @@ mod tests {
             let is_clear = has_alpha && own[TRUNK] + own[CROWN] < 0.5;
             Straight([90, 90, 90, if is_clear { 0 } else { 255 }])
         });
-        let crop = Rect {
-            x: 0,
-            y: 0,
-            width: picture.width(),
-            height: picture.height(),
-        };
+        let crop = picture.rect();
         let labels = labelled(&picture, has_alpha, crop, &likelihoods, &Cancel::new()).unwrap();
         let rows = (0..labels.height()).map(|y| {
             let row = labels.row(y).iter();

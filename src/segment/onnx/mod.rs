@@ -166,16 +166,10 @@ impl Segmenter for Learned {
         cancel.check()?;
         let clear = image.pixels().iter().filter(|p| p.alpha() < OPAQUE).count();
         let has_alpha = clear as f64 >= LEAST_CLEAR * image.pixels().len() as f64;
-        let whole = Rect {
-            x: 0,
-            y: 0,
-            width: image.width(),
-            height: image.height(),
-        };
         let shown = if has_alpha {
             opaque_bounds(&image.map(|p| p.alpha() >= OPAQUE))
         } else {
-            Some(whole)
+            Some(image.rect())
         };
         let provenance = |confidence| Provenance {
             source: Source::Learned,

@@ -10,7 +10,7 @@
 use super::correlation::dot;
 use super::view::luma;
 use crate::base::{Cancel, Cancelled};
-use crate::raster::{Image, Premultiplied, Rect, resized, smoothed_within};
+use crate::raster::{Image, Premultiplied, scaled, smoothed_within};
 
 /// Longer side of the tree in the picture that features are found in.
 const TREE_PX: u32 = 128;
@@ -120,14 +120,7 @@ impl Feature {
 /// The tree in grey before a sky.
 fn grey(tree: &Image<Premultiplied>) -> Image<f32> {
     let scale = f64::from(TREE_PX) / f64::from(tree.width().max(tree.height()));
-    let sized = |pixels: u32| ((f64::from(pixels) * scale).round() as u32).max(1);
-    let whole = Rect {
-        x: 0,
-        y: 0,
-        width: tree.width(),
-        height: tree.height(),
-    };
-    let small = resized(tree, whole, sized(tree.width()), sized(tree.height()));
+    let small = scaled(tree, scale);
     let (mut sum, mut weight) = (0.0f32, 0.0f32);
     for pixel in small.pixels() {
         let alpha = f32::from(pixel.alpha());

@@ -195,7 +195,7 @@ fn order(pair: &Pair) -> (f64, f64) {
 mod tests {
     use super::*;
     use crate::base::Seed;
-    use crate::raster::{ReadLimits, Rect, read_image, resized};
+    use crate::raster::{ReadLimits, read_image, resized};
     use crate::variation::HslShift;
 
     /// A real tree by name; `None` where the folder of real pictures is not there.
@@ -219,14 +219,8 @@ mod tests {
 
     fn stretched(image: &Image<Premultiplied>, across: f64, down: f64) -> Image<Premultiplied> {
         let (width, height) = (image.width(), image.height());
-        let whole = Rect {
-            x: 0,
-            y: 0,
-            width,
-            height,
-        };
         let side = |pixels: u32, scale: f64| (f64::from(pixels) * scale) as u32;
-        resized(image, whole, side(width, across), side(height, down))
+        resized(image, image.rect(), side(width, across), side(height, down))
     }
 
     fn mirrored(image: &Image<Premultiplied>) -> Image<Premultiplied> {

@@ -6,7 +6,7 @@
 //! has energy 1.
 
 use crate::base::{Cancel, Cancelled};
-use crate::raster::{Image, Mask, Premultiplied, Rect, resized, smoothed_within};
+use crate::raster::{Image, Mask, Premultiplied, resized, smoothed_within};
 
 /// Longer side of a tree in a fine view, in pixels: a tree in the middle distance of a picture.
 pub(super) const TREE_PX: u32 = 64;
@@ -70,13 +70,7 @@ fn framed(tree: &Image<Premultiplied>, longer: f64, side: u32) -> Image<Premulti
     let scale = longer / f64::from(tree.width().max(tree.height()));
     let sized = |pixels: u32| ((f64::from(pixels) * scale).round() as u32).clamp(1, side);
     let (width, height) = (sized(tree.width()), sized(tree.height()));
-    let whole = Rect {
-        x: 0,
-        y: 0,
-        width: tree.width(),
-        height: tree.height(),
-    };
-    let small = resized(tree, whole, width, height);
+    let small = resized(tree, tree.rect(), width, height);
     let mut frame = Image::filled(side, side, Premultiplied::default());
     let left = ((side - width) / 2) as usize;
     // The foot stands a little above the edge: the band needs room below it.

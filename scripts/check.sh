@@ -12,6 +12,8 @@ step cargo fmt --all --check
 step cargo clippy --locked --all-targets -- -D warnings
 # Tests of the library, the binary and the folders tests/ and examples/, then those in the comments.
 step cargo test --locked
+# Exports, read by programs that are not ours where those can be had.
+step scripts/consumers.sh
 if cargo deny --version >/dev/null 2>&1; then
     step cargo deny --locked check
 else

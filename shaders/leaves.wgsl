@@ -170,7 +170,7 @@ fn twig_texel(twig: u32, level: u32, at: vec2<f32>) -> vec2<f32> {
     if any(at < vec2(0.0)) || any(at >= vec2(size)) {
         return vec2(128.0 / 255.0, 0.0);
     }
-    return textureLoad(atlas, vec2<u32>(at), twig, level).xy;
+    return textureLoad(atlas, vec2<i32>(at), i32(twig), i32(level)).xy;
 }
 
 @fragment

@@ -177,3 +177,41 @@ fn threads_shards_and_resume_change_no_byte() {
         "resuming changed something"
     );
 }
+
+#[test]
+fn the_crowns_of_a_project_are_made_and_exported_as_boscage_crown_makes_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/v1.boscage");
+    let usual = ["export", project.to_str().unwrap(), "--preset", "godot"];
+    let more = ["--no-impostors", "--leaves", "lobed", "--out", "out"];
+    succeeded(&boscage(at, &[&usual[..], &more].concat()));
+    let library = json(&at.join("out/library.json"));
+    assert_eq!(library["crowns"][0]["name"], "drawn");
+    let record = json(&at.join("out/crowns/drawn/crown.json"));
+    assert_eq!(record["recipe"]["leaf"], "lobed");
+    let again = "out/crowns/drawn/crown.json";
+    succeeded(&boscage(at, &["crown", "--recipe", again, "--out", "again"]));
+    let (own, other) = (at.join("out/crowns/drawn"), at.join("again"));
+    assert!(contents(&own) == contents(&other), "the crowns differ");
+}
+
+#[test]
+fn a_project_without_a_crown_and_one_that_is_none_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let empty = boscage::document::Document::new().snapshot();
+    let bytes = boscage::document::encode(&empty, &boscage::base::Cancel::new()).unwrap();
+    fs::write(at.join("empty.boscage"), bytes).unwrap();
+    fs::write(at.join("none.boscage"), "a letter").unwrap();
+    for (project, reason) in [("empty", "has no crown"), ("none", "")] {
+        let project = format!("{project}.boscage");
+        let export = ["export", &project, "--preset", "godot", "--out", "out"];
+        let refused = boscage(at, &export);
+        let told = String::from_utf8(refused.stderr).unwrap();
+        assert_eq!(refused.status.code(), Some(2), "{told}");
+        assert!(told.starts_with(&format!("error: {project}")), "{told}");
+        assert!(told.contains(reason) && told.lines().count() == 1, "{told}");
+    }
+    assert!(!at.join("out").exists());
+}

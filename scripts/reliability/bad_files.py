@@ -236,6 +236,17 @@ def odd_files(folder, good):
             yield reader, what, arguments
         for reader, arguments in text_readers(good, f"{odd}/{name}"):
             yield reader, what, arguments
+    fixture = open(os.path.join(os.path.dirname(__file__), "../../tests/fixtures/v1.boscage"), "rb").read()
+    for at in range(0, len(fixture), max(1, len(fixture) // 40)):
+        changed = bytearray(fixture)
+        changed[at] ^= 0x55
+        for name, content in [(f"cut at {at}", fixture[:at]), (f"changed at {at}", bytes(changed))]:
+            path = f"{odd}/{name.replace(' ', '_')}.boscage"
+            open(path, "wb").write(content)
+            yield "export of a project", name, ["export", path, "--preset", "godot", "--no-impostors", "--out", "{out}/out"]
+    for what, name in special.items():
+        os.symlink(f"{odd}/{name}", f"{odd}/{name}.boscage")
+        yield "export of a project", what, ["export", f"{odd}/{name}.boscage", "--preset", "godot", "--out", "{out}/out"]
     texts = {"deep": "[" * 10**6, "deep object": '{"a":' * 10**5, "nan": '{"points":[[NaN,1]]}', "inf": '{"points":[[1e999,1]]}', "bom": '\ufeff{"points":[[0,0],[1,0],[0,1]]}', "same points": '{"points":[[1,1],[1,1],[1,1]]}', "line": '{"points":[[0,0],[1,1],[2,2]]}', "one": '{"points":[[0,0]]}', "crossed": '{"points":[[0,0],[9,9],[9,0],[0,9]]}', "tiny": '{"points":[[0,0],[1e-300,0],[0,1e-300]]}', "zero": "0", "null": "null", "text": '"' + "x" * 10**6 + '"'}
     for name, text in texts.items():
         path = f"{odd}/{name}.json"

@@ -175,7 +175,7 @@ impl ExportChoice {
                 frames: 8,
                 frame_px: 256,
                 exr: self.exr,
-                leaves: self.leaves,
+                leaves: Some(self.leaves),
             },
         }
     }

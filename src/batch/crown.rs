@@ -1,6 +1,7 @@
 //! What a crown was made from, and a crown as files: what `boscage crown` writes and the studio
 //! keeps beside what it exports.
 
+use super::export_crown::LeafName;
 use super::failure::Failure;
 use super::output::{Output, recipe};
 use super::records::SegmenterRecord;
@@ -28,6 +29,9 @@ pub(crate) struct CrownRecipe {
     pub(crate) segmenter: Option<SegmenterRecord>,
     pub(crate) seed: u64,
     pub(crate) settings: CrownSettings,
+    /// The leaves that it is drawn and exported with, unless others are asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) leaf: Option<LeafName>,
     /// Which greys of the mask are inflated by themselves; none: all of it at once.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(crate) regions: Vec<Region>,
@@ -58,9 +62,12 @@ impl CrownRecipe {
             .unwrap_or_else(|_| unreachable!("settings hold numbers only"));
         let regions = serde_json::to_vec(&self.regions)
             .unwrap_or_else(|_| unreachable!("regions hold numbers and formulas"));
-        recipe("crown")
-            .with(&regions)
-            .with(self.photo_digest.as_bytes())
+        let made = recipe("crown").with(&regions);
+        let made = match self.leaf {
+            Some(leaf) => made.with(format!("{leaf:?}").as_bytes()),
+            None => made,
+        };
+        made.with(self.photo_digest.as_bytes())
             .with(self.mask_digest.as_bytes())
             .with(&self.seed.to_le_bytes())
             .with(&settings)

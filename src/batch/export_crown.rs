@@ -19,6 +19,7 @@ use crate::export::{
 use crate::raster::{Compression, CubeFace, encode_png};
 use crate::scene::Crown;
 use clap::ValueEnum;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -35,7 +36,8 @@ pub enum ImpostorName {
 }
 
 /// Leaves of a crown's cards.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum LeafName {
     /// Egg-shaped: birch, apple
     #[default]
@@ -55,6 +57,13 @@ pub enum LeafName {
 }
 
 impl LeafName {
+    /// The leaves that the crown of `record` was made for.
+    pub(crate) fn of(record: &CrownRecord) -> Self {
+        let named = record.recipe.get("leaf");
+        let known = named.and_then(|leaf| Self::deserialize(leaf).ok());
+        known.unwrap_or_default()
+    }
+
     /// The shape of that name.
     pub(crate) fn shape(self) -> LeafShape {
         match self {
@@ -75,7 +84,8 @@ pub(crate) struct CrownExportSettings {
     pub(crate) impostors: Vec<ImpostorName>,
     pub(crate) frames: u32,
     pub(crate) frame_px: u32,
-    pub(crate) leaves: LeafName,
+    /// Shape of the leaves; none: the one that the crown's record names.
+    pub(crate) leaves: Option<LeafName>,
     /// Whether faces are written as OpenEXR, too.
     pub(crate) exr: bool,
 }
@@ -227,7 +237,11 @@ impl CrownExport<'_> {
         let is_ready = session.output.is_ready(&last, made_from)
             && files.values().all(|file| out.join(file).is_file());
         let seed = Seed(session.seed);
-        let mut leaves = leaf_model(&crown, name, settings.crowns.leaves.shape(), seed);
+        let shape = settings
+            .crowns
+            .leaves
+            .unwrap_or_else(|| LeafName::of(&record));
+        let mut leaves = leaf_model(&crown, name, shape.shape(), seed);
         session.cancel.check()?;
         let mut surface = surface_model(&crown, &format!("{name}_surface"));
         session.cancel.check()?;

@@ -131,18 +131,10 @@ pub(crate) fn mask_from(picture: &Image<Straight>) -> Mask {
 /// Largest file of a crown's folder that is read.
 const LARGEST_CROWN_FILE: u64 = 1 << 30;
 
-/// The crown in `folder`, and the digest of all its files.
-///
-/// # Errors
-/// [`Failure::BadInput`] naming the file that is missing or broken.
-pub(crate) fn read_crown(folder: &Path) -> Result<(Crown, Digest), Failure> {
-    read_crown_and_record(folder).map(|(crown, _, digest)| (crown, digest))
-}
-
 /// The crown in `folder`, its record, and the digest of all its files.
 ///
 /// # Errors
-/// As [`read_crown`].
+/// [`Failure::BadInput`] naming the file that is missing or broken.
 pub(crate) fn read_crown_and_record(
     folder: &Path,
 ) -> Result<(Crown, CrownRecord, Digest), Failure> {

@@ -21,6 +21,7 @@ pub(crate) mod library;
 pub(crate) mod model;
 pub(crate) mod output;
 pub(crate) mod parents;
+pub(crate) mod project_crowns;
 pub(crate) mod records;
 pub(crate) mod run;
 pub(crate) mod score;

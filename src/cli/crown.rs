@@ -8,6 +8,7 @@ use super::session::Session;
 use super::{Job, Stages};
 use crate::base::{Digest, Seed};
 use crate::batch::crown::{CrownRecipe, crown_record};
+use crate::batch::export_crown::LeafName;
 use crate::batch::records::SegmenterRecord;
 use crate::crown::{SubCrown, Tangent, relief};
 use crate::export::{CrownRecord, crown_file_names};
@@ -73,6 +74,9 @@ pub(super) struct Flags {
     /// Height of the bare trunk below it [default: a fifth of the crown's]
     #[arg(long, value_name = "METRES")]
     trunk_height: Option<f64>,
+    /// Shape of its leaves, for `render` and `export`
+    #[arg(long, value_enum, value_name = "SHAPE")]
+    leaf: Option<LeafName>,
     /// Also write the relief of the front as the photograph shows it: relief.png, 16-bit grey of the
     /// photograph's size, 0.5 on the silhouette and outside, a quarter for the step from the crown's
     /// darkest to its lightest
@@ -169,6 +173,7 @@ impl Flags {
             segmenter,
             seed: session.options.seed,
             settings,
+            leaf: self.leaf,
             regions: regions.unwrap_or_default(),
         };
         Ok(Inputs {

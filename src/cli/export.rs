@@ -1,4 +1,4 @@
-//! `boscage export`: a library of trees → a folder that a consumer takes as it is.
+//! `boscage export`: a library of trees, crowns, or a project → a folder that a consumer takes as it is.
 
 use super::failure::Failure;
 use super::records::LibraryRecord;
@@ -9,6 +9,8 @@ use crate::batch::export_crown::{
     CrownExport, CrownExportSettings, ImpostorName, LeafName, crown_folders,
 };
 use crate::batch::export_tree::{BlockName, ExportMap, ModelTextures, TextureForm};
+use crate::batch::project_crowns::{ProjectCrowns, crowned};
+use crate::document::store::{self, StoreError};
 use crate::export::{LicenseRecord, Preset, SpriteSettings, WindChannels};
 use clap::{Args, ValueEnum};
 use serde_json::json;
@@ -20,16 +22,18 @@ use std::path::{Path, PathBuf};
 /// under clear pixels; models stand on their foot in metres; library.json tells all about each tree.
 ///
 /// Or takes the folder that `boscage crown` wrote, or a folder of such: leaf-card and surface models
-/// with levels of detail, octahedral impostors with shaders, and cubemaps.
+/// with levels of detail, octahedral impostors with shaders, and cubemaps. Of a project (.boscage) all
+/// crowns are made first, into OUT/crowns.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   boscage export new --preset godot --out game/trees
   boscage export new --preset unreal --textures png,dds --atlas --out Content/Trees
   boscage export oak-crown --preset godot --leaves lobed --out game/oak
+  boscage export trees.boscage --preset blender --out crowns
   boscage export new --preset web --author 'A. Author' --license CC-BY-4.0 --out gallery")]
 pub(super) struct Flags {
-    /// Folder with library.json, or that file; or the folder of a crown, or one of crowns
-    #[arg(value_name = "LIBRARY")]
+    /// Folder with library.json, or that file; the folder of a crown, or one of crowns; or a project
+    #[arg(value_name = "PROJECT|LIBRARY")]
     library: PathBuf,
     /// Who will read it
     #[arg(long, value_enum, value_name = "NAME")]
@@ -85,9 +89,9 @@ pub(super) struct Flags {
     /// Crowns: also write the faces of the cubemaps as OpenEXR: linear colours, radii in metres
     #[arg(long)]
     exr: bool,
-    /// Crowns: shape of the leaves on cards
-    #[arg(long, value_enum, default_value_t, value_name = "SHAPE")]
-    leaves: LeafName,
+    /// Crowns: shape of the leaves on cards [default: the crown's own]
+    #[arg(long, value_enum, value_name = "SHAPE")]
+    leaves: Option<LeafName>,
     /// Whose work it is
     #[arg(long, value_name = "NAME")]
     author: Option<String>,
@@ -112,6 +116,12 @@ enum PresetName {
     Flightgear,
 }
 
+/// Whether `path` names the file of a project.
+fn is_project(path: &Path) -> bool {
+    path.extension()
+        .is_some_and(|ending| ending.eq_ignore_ascii_case("boscage"))
+}
+
 impl PresetName {
     fn preset(self) -> Preset {
         match self {
@@ -127,11 +137,14 @@ impl PresetName {
 
 impl Job for Flags {
     fn stages(&self) -> Stages {
-        &[("export", 85.0), ("atlas", 10.0), ("scene", 5.0)]
+        match is_project(&self.library) {
+            true => &[("make crowns", 70.0), ("export", 25.0), ("scene", 5.0)],
+            false => &[("export", 85.0), ("atlas", 10.0), ("scene", 5.0)],
+        }
     }
 
     fn run(&self, session: &Session<'_>) -> Result<(), Failure> {
-        let crowns = crown_folders(&self.library)?;
+        let crowns = self.crowns(session)?;
         if !crowns.is_empty() {
             let settings = &self.checked(session)?;
             let crowns = &crowns;
@@ -176,6 +189,31 @@ impl Job for Flags {
 }
 
 impl Flags {
+    /// The crowns to export, if it is no library of trees; those of a project are made first.
+    fn crowns(&self, session: &Session<'_>) -> Result<Vec<(String, PathBuf)>, Failure> {
+        if !is_project(&self.library) {
+            return crown_folders(&self.library);
+        }
+        let settings = self.checked(session)?;
+        let failed = |error: StoreError| match error {
+            StoreError::File(error) => error.into(),
+            error => Failure::BadInput(error.to_string()),
+        };
+        let (decoded, _) = store::open(&self.library).map_err(failed)?;
+        for note in &decoded.notes {
+            session
+                .progress
+                .warn(&format!("{}: {note}", self.library.display()));
+        }
+        let project = &decoded.document;
+        let crowns = ProjectCrowns::of(project, &crowned(project.state()), self.leaves);
+        if crowns.is_empty() {
+            let reason = "has no crown: paint one in the studio, or export a library of trees";
+            return Err(Failure::of(self.library.display(), reason));
+        }
+        crowns.make(&settings.out, session)
+    }
+
     fn checked(&self, session: &Session<'_>) -> Result<ExportSettings, Failure> {
         if !(0.01..=1000.0).contains(&self.height) {
             return Err(Failure::of("--height", "must be from 0.01 to 1000 metres"));
@@ -225,13 +263,13 @@ impl Flags {
                 author: self.author.clone(),
                 license: self.license.clone(),
             },
-            crowns: self.crowns()?,
+            crowns: self.crown_settings()?,
         })
     }
 }
 
 impl Flags {
-    fn crowns(&self) -> Result<CrownExportSettings, Failure> {
+    fn crown_settings(&self) -> Result<CrownExportSettings, Failure> {
         /// Textures that every graphics card takes.
         const LARGEST_SIDE: u32 = 8192;
         if self.impostor_frames * self.impostor_frame > LARGEST_SIDE {

@@ -1,12 +1,14 @@
 //! `boscage render`: a crown's folder → pictures of it.
 
 use super::failure::Failure;
-use super::input::read_crown;
+use super::input::read_crown_and_record;
 use super::output::recipe;
 use super::session::Session;
 use super::{Job, Stages};
 use crate::base::{Cancel, Digest, Seed};
 use crate::batch::export_crown::LeafName;
+use crate::export::CrownRecord;
+use crate::pipeline::{CrownSettings, k_on_mesh};
 use crate::raster::{Compression, Image, Straight, encode_png};
 use crate::render::{
     Backend, LeafClip, LeafSet, LeafSettings, Mode, Occlusion, PreparedCrown, PreparedMesh,
@@ -14,7 +16,8 @@ use crate::render::{
 };
 use crate::scene::{Backdrop, Camera, Crown, CrownInstance, Light, Trunk};
 use clap::{Args, ValueEnum};
-use serde_json::json;
+use serde::Deserialize;
+use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
 /// Draw a crown
@@ -56,9 +59,9 @@ pub(super) struct Flags {
     /// What makes the inside darker: baked occlusion, or the terms of the thesis
     #[arg(long, value_enum, default_value_t, value_name = "NAME")]
     occlusion: OcclusionName,
-    /// The leaves of the form with leaves
-    #[arg(long, value_enum, default_value_t, value_name = "SHAPE")]
-    leaf: LeafName,
+    /// The leaves of the form with leaves [default: the crown's own]
+    #[arg(long, value_enum, value_name = "SHAPE")]
+    leaf: Option<LeafName>,
     /// Cut leaves off at the crown's surface, as the thesis does
     #[arg(long)]
     cut_leaves: bool,
@@ -100,6 +103,9 @@ enum ModeName {
     /// The base mesh, coloured by how much it stretches the photograph: dark not at all, yellow
     /// eight times and more
     Stretch,
+    /// The base mesh, coloured by k, how steeply it leaves the silhouette: dark 0, yellow the
+    /// steepest of this crown
+    K,
     /// Leaves when near, relief when far
     Auto,
 }
@@ -185,7 +191,7 @@ impl Job for Flags {
             .collect();
         session.output.check(ours.iter().map(|(_, path)| path))?;
         let stage = session.progress.stage("read", 1);
-        let (crown, digest) = read_crown(&self.crown)?;
+        let (crown, record, digest) = read_crown_and_record(&self.crown)?;
         stage.advance();
         drop(stage);
         let wanted: Vec<(u32, &Path, Digest)> = ours
@@ -193,7 +199,9 @@ impl Job for Flags {
             .map(|(index, path)| (*index, path.as_path(), self.recipe(digest, *index)))
             .filter(|(_, path, recipe)| !session.output.is_ready(path, *recipe))
             .collect();
-        let drawn_by = self.make(session, &crown, &wanted)?;
+        let k = self.k(&crown, &record, session.cancel)?;
+        let leaf = self.leaf.unwrap_or_else(|| LeafName::of(&record));
+        let drawn_by = self.make(session, (&crown, leaf, k.as_deref()), &wanted)?;
         session.print_json(|| {
             let files: Vec<String> = ours
                 .iter()
@@ -203,11 +211,18 @@ impl Job for Flags {
                 "crown": self.crown.display().to_string(),
                 "outputs": files,
                 "renderer": drawn_by,
+                "k": k.as_deref().map(range),
                 "camera": camera_json(&self.camera(&crown)),
                 "seconds": session.seconds(),
             })
         })
     }
+}
+
+/// The smallest and largest of `values`.
+fn range(values: &[f64]) -> [f64; 2] {
+    let around = |[low, high]: [f64; 2], &value: &f64| [low.min(value), high.max(value)];
+    values.iter().fold([f64::INFINITY, 0.0], around)
 }
 
 fn camera_json(camera: &Camera) -> serde_json::Value {
@@ -260,7 +275,7 @@ impl Flags {
             mode: match self.mode {
                 ModeName::Relief => Mode::Relief,
                 ModeName::Leaves => Mode::Leaves,
-                ModeName::Mesh | ModeName::Base | ModeName::Stretch => Mode::Mesh,
+                ModeName::Mesh | ModeName::Base | ModeName::Stretch | ModeName::K => Mode::Mesh,
                 ModeName::Auto => Mode::Switched,
             },
             view: match self.view {
@@ -309,8 +324,36 @@ impl Flags {
         })
     }
 
+    /// k at each vertex of the base mesh, if that is to be drawn.
+    fn k(
+        &self,
+        crown: &Crown,
+        record: &CrownRecord,
+        cancel: &Cancel,
+    ) -> Result<Option<Vec<f64>>, Failure> {
+        if !matches!(self.mode, ModeName::K) {
+            return Ok(None);
+        }
+        let refused = |reason: &dyn std::fmt::Display| Failure::of(self.crown.display(), reason);
+        let has_regions = record.recipe.get("regions").is_some();
+        if has_regions {
+            return Err(refused(
+                &"its regions have a k each; draw it in another mode",
+            ));
+        }
+        let of_recipe = record.recipe.get("settings").unwrap_or(&Value::Null);
+        let settings = CrownSettings::deserialize(of_recipe);
+        let settings =
+            settings.map_err(|error| refused(&format!("its record tells no k: {error}")))?;
+        match k_on_mesh(&crown.base_mesh, settings.k.as_ref(), cancel) {
+            Ok(k) => Ok(Some(k)),
+            Err(error) if error.is_cancelled() => Err(Failure::Cancelled),
+            Err(error) => Err(refused(&error)),
+        }
+    }
+
     /// The triangles of the picture: the stem, and the crown's surface where that is asked for.
-    fn meshes(&self, crown: &Crown) -> Vec<PreparedMesh> {
+    fn meshes(&self, crown: &Crown, k: Option<&[f64]>) -> Vec<PreparedMesh> {
         let mut meshes = Vec::new();
         if !self.no_trunk {
             meshes.push(PreparedMesh::of_trunk(&Trunk::under(crown), crown));
@@ -319,7 +362,12 @@ impl Flags {
             ModeName::Mesh => meshes.push(PreparedMesh::of_crown(crown, CELLS)),
             ModeName::Base => meshes.push(PreparedMesh::of_base(crown)),
             ModeName::Stretch => meshes.push(PreparedMesh::of_stretch(crown)),
-            _ => {}
+            ModeName::K => {
+                let k = k.unwrap_or_default();
+                let most = range(k)[1];
+                meshes.push(PreparedMesh::heat_map(&crown.base_mesh, k, (0.0, most)));
+            }
+            ModeName::Relief | ModeName::Leaves | ModeName::Auto => {}
         }
         meshes
     }
@@ -328,7 +376,7 @@ impl Flags {
     fn make(
         &self,
         session: &Session<'_>,
-        crown: &Crown,
+        (crown, leaf, k): (&Crown, LeafName, Option<&[f64]>),
         wanted: &[(u32, &Path, Digest)],
     ) -> Result<Option<String>, Failure> {
         if wanted.is_empty() {
@@ -338,8 +386,8 @@ impl Flags {
         let mut renderer = self.renderer(session)?;
         let things = Things {
             crowns: [self.prepared(crown, session.cancel)?],
-            meshes: self.meshes(crown),
-            leaves: LeafSet::new(self.leaf.shape(), Seed(session.options.seed)),
+            meshes: self.meshes(crown, k),
+            leaves: LeafSet::new(leaf.shape(), Seed(session.options.seed)),
         };
         stage.advance();
         drop(stage);

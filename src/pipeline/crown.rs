@@ -557,7 +557,11 @@ pub(super) fn shape_of_regions(
 
 /// One k for the whole ring at which the highest point of the sheet is `depth` pixels in front of the
 /// silhouette: heights are linear in k.
-fn k_of_depth(inflation: &Inflation, depth: f64, cancel: &Cancel) -> Result<Vec<f64>, CrownError> {
+pub(super) fn k_of_depth(
+    inflation: &Inflation,
+    depth: f64,
+    cancel: &Cancel,
+) -> Result<Vec<f64>, CrownError> {
     let ring = inflation.domain().ring().len();
     let sheet = inflation.sheet(&vec![1.0; ring], cancel)?;
     let highest = sheet.positions.iter().map(|p| p.z).fold(0.0, f64::max);

@@ -9,6 +9,7 @@
 mod crown;
 mod frame;
 mod gallery;
+mod k_map;
 mod live;
 mod picture_shape;
 mod request;
@@ -23,6 +24,7 @@ pub use gallery::{
     GalleryTree, Pool, Slot, Wishes, brood_of, choice_settings, favourite_of, gallery_slots,
     genome_of, parts_of_mix,
 };
+pub use k_map::k_on_mesh;
 pub use live::{LiveCrown, LiveInput, LiveResult, Quality};
 pub use picture_shape::{PictureShape, picture_shape};
 pub use request::{CrownRequest, is_crown};

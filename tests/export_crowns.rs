@@ -191,7 +191,10 @@ fn the_crowns_of_a_project_are_made_and_exported_as_boscage_crown_makes_them() {
     let record = json(&at.join("out/crowns/drawn/crown.json"));
     assert_eq!(record["recipe"]["leaf"], "lobed");
     let again = "out/crowns/drawn/crown.json";
-    succeeded(&boscage(at, &["crown", "--recipe", again, "--out", "again"]));
+    succeeded(&boscage(
+        at,
+        &["crown", "--recipe", again, "--out", "again"],
+    ));
     let (own, other) = (at.join("out/crowns/drawn"), at.join("again"));
     assert!(contents(&own) == contents(&other), "the crowns differ");
 }

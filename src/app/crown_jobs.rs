@@ -6,7 +6,7 @@ use super::outcome::Outcome;
 use super::studio::{Severity, Studio};
 use super::vary_jobs::VaryOutcome;
 use crate::base::with_threads;
-use crate::batch::export_crown::CrownExport;
+use crate::batch::export_crown::{CrownExport, check_preset};
 use crate::batch::failure::Failure;
 use crate::batch::output::{Output, Policy};
 use crate::batch::project_crowns::{ProjectCrowns, crowned};
@@ -104,6 +104,7 @@ impl CrownBatch {
     }
 
     fn written(&self, run: &Run<'_>) -> Result<String, Failure> {
+        check_preset(self.choice.preset)?;
         let made = self.crowns.make(&self.folder, run)?;
         let settings = self.choice.settings(&self.folder);
         let export = CrownExport {

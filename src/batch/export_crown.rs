@@ -133,6 +133,18 @@ pub(crate) fn crown_folders(path: &Path) -> Result<Vec<(String, PathBuf)>, Failu
     Ok(folders)
 }
 
+/// Refuses presets whose reader knows no crowns.
+///
+/// # Errors
+/// [`Failure::BadInput`].
+pub(crate) fn check_preset(preset: Preset) -> Result<(), Failure> {
+    if preset == Preset::FlightGear {
+        let reason = "flightgear draws trees from pictures; export a library of them";
+        return Err(Failure::of("--preset", reason));
+    }
+    Ok(())
+}
+
 /// What was exported.
 pub(crate) struct ExportedCrowns {
     pub(crate) records: Vec<PresetCrown>,
@@ -150,10 +162,7 @@ impl CrownExport<'_> {
     /// Makes the crowns of this shard and, when that is all of them, what they share.
     pub(crate) fn run(&self, session: &Run<'_>) -> Result<ExportedCrowns, Failure> {
         let out = &self.settings.out;
-        if self.settings.preset == Preset::FlightGear {
-            let reason = "flightgear draws trees from pictures; export a library of them";
-            return Err(Failure::of("--preset", reason));
-        }
+        check_preset(self.settings.preset)?;
         let whole = session.shard.is_whole();
         let ours = (0u64..)
             .zip(self.crowns)

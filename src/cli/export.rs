@@ -6,7 +6,7 @@ use super::session::Session;
 use super::{Job, Stages};
 use crate::batch::export::{Export, ExportSettings, check_trees};
 use crate::batch::export_crown::{
-    CrownExport, CrownExportSettings, ImpostorName, LeafName, crown_folders,
+    CrownExport, CrownExportSettings, ImpostorName, LeafName, check_preset, crown_folders,
 };
 use crate::batch::export_tree::{BlockName, ExportMap, ModelTextures, TextureForm};
 use crate::batch::project_crowns::{ProjectCrowns, crowned};
@@ -195,6 +195,7 @@ impl Flags {
             return crown_folders(&self.library);
         }
         let settings = self.checked(session)?;
+        check_preset(settings.preset)?;
         let failed = |error: StoreError| match error {
             StoreError::File(error) => error.into(),
             error => Failure::BadInput(error.to_string()),

@@ -8,6 +8,7 @@
 //! pixels are any set, so the line is sought along both axes, near the middle, where it is shortest.
 
 use super::grid::GridSystem;
+use crate::base::{Cancel, Cancelled};
 use std::ops::Range;
 
 /// Most unknowns that are eliminated without being parted.
@@ -37,20 +38,24 @@ pub(super) struct Dissection {
 }
 
 impl Dissection {
-    pub(super) fn new(system: &GridSystem) -> Self {
+    /// The fronts of `system`.
+    ///
+    /// # Errors
+    /// When the work is cancelled.
+    pub(super) fn new(system: &GridSystem, cancel: &Cancel) -> Result<Self, Cancelled> {
         let unknowns: Vec<u32> = (0..system.len() as u32).collect();
         let mut order = Vec::with_capacity(unknowns.len());
-        let mut root = parted(system, unknowns, &mut order);
+        let mut root = parted(system, unknowns, &mut order, cancel)?;
         let mut places = vec![0; order.len()];
         for (place, &unknown) in order.iter().enumerate() {
             places[unknown as usize] = place as u32;
         }
-        join(&mut root, &|place| {
-            system
-                .row(order[place] as usize)
-                .map(|(unknown, _)| places[unknown])
-        });
-        Self { root, order }
+        let row = |place: usize| {
+            let unknown = order[place] as usize;
+            system.row(unknown).map(|(other, _)| places[other])
+        };
+        join(&mut root, &row, cancel)?;
+        Ok(Self { root, order })
     }
 }
 
@@ -67,25 +72,31 @@ impl Front {
 }
 
 /// The fronts of `unknowns`, which are appended to `order`; boundaries are still empty.
-fn parted(system: &GridSystem, unknowns: Vec<u32>, order: &mut Vec<u32>) -> Front {
+fn parted(
+    system: &GridSystem,
+    unknowns: Vec<u32>,
+    order: &mut Vec<u32>,
+    cancel: &Cancel,
+) -> Result<Front, Cancelled> {
+    cancel.check()?;
     let start = order.len();
     let mut halves = Vec::new();
     let own = if unknowns.len() <= LEAF {
         unknowns
     } else {
         let [before, line, after] = cut(system, unknowns);
-        halves.push(parted(system, before, order));
-        halves.push(parted(system, after, order));
+        halves.push(parted(system, before, order, cancel)?);
+        halves.push(parted(system, after, order, cancel)?);
         line
     };
     order.extend_from_slice(&own);
-    Front {
+    Ok(Front {
         subtree: start..order.len(),
         own: own.len(),
         boundary: Vec::new(),
         in_parent: Vec::new(),
         halves,
-    }
+    })
 }
 
 /// The unknowns before, on and behind the best line.
@@ -146,11 +157,16 @@ fn cost(total: u64, on: u64, uneven: u64) -> (bool, u64) {
 }
 
 /// Finds the boundary of every front and its positions in the front above.
-fn join<I: Iterator<Item = u32>>(front: &mut Front, row: &impl Fn(usize) -> I) {
+fn join<I: Iterator<Item = u32>>(
+    front: &mut Front,
+    row: &impl Fn(usize) -> I,
+    cancel: &Cancel,
+) -> Result<(), Cancelled> {
+    cancel.check()?;
     let end = front.subtree.end as u32;
     let mut boundary: Vec<u32> = Vec::new();
     for half in &mut front.halves {
-        join(half, row);
+        join(half, row, cancel)?;
         boundary.extend(half.boundary.iter().filter(|&&place| place >= end));
     }
     for place in front.first()..front.subtree.end {
@@ -176,6 +192,7 @@ fn join<I: Iterator<Item = u32>>(front: &mut Front, row: &impl Fn(usize) -> I) {
             })
             .collect();
     }
+    Ok(())
 }
 
 #[cfg(test)]
@@ -226,7 +243,7 @@ mod tests {
         );
         for stencil in [Stencil::Laplacian, Stencil::Bilaplacian] {
             let system = GridSystem::new(&mask, stencil);
-            let dissection = Dissection::new(&system);
+            let dissection = Dissection::new(&system, &Cancel::new()).unwrap();
             let mut sorted = dissection.order.clone();
             sorted.sort_unstable();
             assert!(sorted.into_iter().eq(0..system.len() as u32));

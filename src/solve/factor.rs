@@ -39,9 +39,7 @@ impl Factor {
     /// # Errors
     /// When the work is cancelled.
     pub fn new(system: &GridSystem, cancel: &Cancel) -> Result<Self, Cancelled> {
-        cancel.check()?;
-        let dissection = Dissection::new(system);
-        cancel.check()?;
+        let dissection = Dissection::new(system, cancel)?;
         let mut places = vec![0; system.len()];
         for (place, &unknown) in dissection.order.iter().enumerate() {
             places[unknown as usize] = place as u32;

@@ -179,7 +179,7 @@ fn threads_shards_and_resume_change_no_byte() {
 }
 
 #[test]
-fn the_crowns_of_a_project_are_made_and_exported_as_boscage_crown_makes_them() {
+fn the_crowns_of_a_project_are_made_and_exported() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
     let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/v1.boscage");
@@ -190,13 +190,17 @@ fn the_crowns_of_a_project_are_made_and_exported_as_boscage_crown_makes_them() {
     assert_eq!(library["crowns"][0]["name"], "drawn");
     let record = json(&at.join("out/crowns/drawn/crown.json"));
     assert_eq!(record["recipe"]["leaf"], "lobed");
-    let again = "out/crowns/drawn/crown.json";
-    succeeded(&boscage(
-        at,
-        &["crown", "--recipe", again, "--out", "again"],
-    ));
-    let (own, other) = (at.join("out/crowns/drawn"), at.join("again"));
-    assert!(contents(&own) == contents(&other), "the crowns differ");
+    for made_from in ["photo", "mask"] {
+        let file = record["recipe"][made_from].as_str().unwrap();
+        read_image(&at.join(file), ReadLimits::default()).unwrap();
+    }
+    // What is there stays.
+    let before = contents(&at.join("out"));
+    succeeded(&boscage(at, &[&usual[..], &more, &["--resume"]].concat()));
+    assert!(
+        before == contents(&at.join("out")),
+        "resuming changed something"
+    );
 }
 
 #[test]

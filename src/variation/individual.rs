@@ -31,7 +31,7 @@ const TRIES: usize = 140;
 
 /// The same in what stands straight, whose places are all alike: with more, all individuals would find the
 /// same one.
-const TRIES_STRAIGHT: usize = 14;
+const TRIES_STRAIGHT: usize = 30;
 
 /// Samples around and in a cell that places are compared by.
 const SAMPLES: usize = 56;

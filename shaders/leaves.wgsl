@@ -85,11 +85,13 @@ fn corner(@builtin(vertex_index) vertex: u32, in: Crown) -> Leaf {
     let salt = hash(index ^ in.dither);
     let grown = clamp((count - f32(index)) / (GROWING * count), 0.0, 1.0);
     let vary = 0.8 + 0.4 * hashed(salt ^ 1u);
-    let half_m = frame.leaf_size * crown.mean_radius * grown * vary / sqrt(count);
+    let side = crown.mean_radius * crown.leaf_side;
+    let half_m = frame.leaf_size * side * grown * vary / sqrt(count);
     let share = sqrt(dot(ball, ball));
-    let direction = ball * (1.0 / max(share, 1e-6));
+    let drawn_out = vec3(ball.x, ball.y * crown.slender, ball.z);
+    let direction = drawn_out * (1.0 / max(sqrt(dot(drawn_out, drawn_out)), 1e-6));
     let shape_level = max(crown.radius_levels, 4u) - 4u;
-    let reach = radius_at(direction, shape_level);
+    let reach = radius_at(direction, max(crown.radius_levels, 6u) - 6u);
     var point = ball * crown.radius_range.y;
     if frame.leaf_clip == 0u {
         let out = STANDS_OUT * reach * (DEEPEST + (1.0 - DEEPEST) * share) - DRAWN_BACK * half_m;

@@ -137,6 +137,7 @@ fn lumpy() -> Crown {
         color: Cubemap::from_directions(128, |d| color(d.normalize())),
         height: Cubemap::filled(128, 0.5),
         base_mesh: Mesh::default(),
+        cover: 1.0,
     }
 }
 

@@ -78,7 +78,7 @@ fn structs_are_laid_out_alike() {
     assert_eq!(layout(&relief, "Frame"), (frame, size_of::<Frame>() as u32));
     let crown = offsets!(CrownNumbers:
         radius_range, radius_size, radius_levels, surface_size, surface_levels, mean_radius,
-        center_height, stem, radius_texel, padding,
+        center_height, stem, radius_texel, slender, leaf_side,
     );
     let size = size_of::<CrownNumbers>() as u32;
     assert_eq!(layout(&relief, "CrownNumbers"), (crown, size));

@@ -12,7 +12,10 @@ struct CrownNumbers {
     stem: vec4<f32>,
     // Side of a texel of the radii, as a share of their rectangle.
     radius_texel: vec2<f32>,
-    padding: vec2<f32>,
+    // Height by width; leaves are spread over a ball drawn out so.
+    slender: f32,
+    // Side of leaves, as a share of that in a closed crown.
+    leaf_side: f32,
 }
 
 // An instance; src/render/frame.rs has the struct, InstanceNumbers.

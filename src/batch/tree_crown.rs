@@ -10,11 +10,12 @@ use super::output::recipe;
 use super::records::{TreeCrownRecord, TreeRecord};
 use super::run::Run;
 use crate::base::{Digest, Progress, Seed};
+use crate::crown::Tangent;
 use crate::export::{bled, crown_file_names};
 use crate::pipeline::{CrownError, CrownSettings, crown};
-use crate::raster::{Image, Mask, Straight, dilated, eroded, opaque_bounds};
+use crate::raster::{Image, Mask, Straight, dilated, eroded, flooded_from_outside, opaque_bounds};
 use crate::segment::Label;
-use crate::variation::Tree;
+use crate::variation::{Tree, stands_straight};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -54,7 +55,7 @@ impl<'a> TreeCrown<'a> {
     /// The crown of `record`, whose picture has the digest `of_tree`, below `out`; none if it has none.
     pub(super) fn of(record: &'a TreeRecord, of_tree: Digest, out: &Path) -> Option<Self> {
         let own = record.crown.as_ref()?;
-        let digest = recipe("tree crown 1")
+        let digest = recipe("tree crown 2")
             .with(of_tree.bytes())
             .with(&own.size.to_le_bytes())
             .finish();
@@ -86,9 +87,12 @@ impl<'a> TreeCrown<'a> {
         };
         let mask = crown_mask(tree);
         let photo = without_sky(&tree.image);
-        let Some(settings) = settings_of(tree, &mask, self.size) else {
+        let Some(mut settings) = settings_of(tree, &mask, self.size) else {
             return Err(of_crown(&"no pixel of it is foliage"));
         };
+        if is_palm(self.record) {
+            settings = tuft(settings);
+        }
         let seed = Seed(self.record.seed).derive("crown", 0);
         let made = crown(
             &photo,
@@ -125,6 +129,59 @@ const GAP: f64 = 0.012;
 /// How light the inside of a crown is that one sees between its leaves.
 const INSIDE: f32 = 0.45;
 
+/// Whether most of a tree's outline is that of a palm, by the names of its pictures.
+fn is_palm(record: &TreeRecord) -> bool {
+    let weighed = record.exemplars.iter().zip(&record.contour_weights);
+    let most = weighed.max_by(|a, b| a.1.total_cmp(b.1));
+    let name = most.map(|(exemplar, _)| Path::new(&exemplar.file).file_stem());
+    let name = name
+        .flatten()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .to_lowercase();
+    let mut words = name.split(|c: char| !c.is_alphabetic());
+    words.any(|word| word.starts_with("palm"))
+}
+
+/// A palm's crown: its fronds go out to all sides, so its outline stands there in several directions, each
+/// thin.
+fn tuft(settings: CrownSettings) -> CrownSettings {
+    const DIRECTIONS: u32 = 4;
+    const THIN: f64 = 0.8;
+    CrownSettings {
+        copies: DIRECTIONS,
+        k: Some(Tangent::Constant(THIN)),
+        // What shows between fronds are others.
+        cover: 1.0,
+        ..settings
+    }
+}
+
+/// How wide bays and gaps may be that belong to the outline which leaves are spread in, as a share of the
+/// picture's side.
+const BAY: f64 = 0.035;
+
+/// How much of its outline the crown of `tree` fills, 0 to 1: the mean alpha in it.
+fn cover(tree: &Tree) -> f64 {
+    let pixels = tree.image.pixels().iter().zip(tree.labels.pixels());
+    let alpha = pixels.map(|(pixel, label)| match label {
+        Label::Crown => pixel.alpha(),
+        _ => 0,
+    });
+    let (width, height) = (tree.image.width(), tree.image.height());
+    let alpha: Image<u8> = Image::from_pixels(width, height, alpha.collect());
+    let reach = (BAY * f64::from(width)).round().clamp(1.0, 60.0) as u8;
+    let seen = alpha.map(|&alpha| alpha >= 96);
+    let outline = eroded(&flooded_from_outside(&dilated(&seen, reach)), reach);
+    let within = alpha.pixels().iter().zip(outline.pixels());
+    let (mut sum, mut count) = (0.0, 0.0);
+    for (&alpha, _) in within.filter(|(_, is_within)| **is_within) {
+        sum += f64::from(alpha) / 255.0;
+        count += 1.0;
+    }
+    (sum / f64::max(count, 1.0)).min(1.0)
+}
+
 /// The pixels of a tree that are its crown, narrow gaps between leaves included.
 fn crown_mask(tree: &Tree) -> Mask {
     let pixels = tree.image.pixels().iter().zip(tree.labels.pixels());
@@ -159,6 +216,8 @@ fn settings_of(tree: &Tree, mask: &Mask, size: u32) -> Option<CrownSettings> {
         photo_front: true,
         height_m: metres(crown.height),
         trunk_height_m: Some(metres(below)),
+        round: stands_straight(tree),
+        cover: cover(tree),
         ..CrownSettings::default()
     })
 }

@@ -69,8 +69,21 @@ pub struct CrownRecord {
     pub radius_min_m: f32,
     /// R_max, metres.
     pub radius_max_m: f32,
+    /// How much of its outline leaves fill, 0 to 1; where it is not told, all.
+    #[serde(default = "closed", skip_serializing_if = "is_closed")]
+    pub cover: f32,
     /// What the crown was made from: inputs, digests, settings, seed.
     pub recipe: serde_json::Value,
+}
+
+/// No sky shows through.
+fn closed() -> f32 {
+    1.0
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it")]
+fn is_closed(cover: &f32) -> bool {
+    *cover >= 1.0
 }
 
 impl CrownRecord {
@@ -92,6 +105,7 @@ impl CrownRecord {
             center_m: crown.center_m.to_array(),
             radius_min_m,
             radius_max_m,
+            cover: crown.cover,
             recipe,
         }
     }
@@ -113,9 +127,10 @@ impl CrownRecord {
         let radius = f64::from(record.radius_max_m);
         let radius_is_real = radius > 0.0 && is_near(&radius);
         let size_is_real = (1..=LARGEST_FACE).contains(&record.size);
-        if !(center_is_near && radius_is_real && size_is_real) {
+        let cover_is_share = (0.0..=1.0).contains(&record.cover);
+        if !(center_is_near && radius_is_real && size_is_real && cover_is_share) {
             return Err(failed(
-                "its centre, radius or size is out of range".to_owned(),
+                "its centre, radius, size or cover is out of range".to_owned(),
             ));
         }
         Ok(record)
@@ -241,6 +256,7 @@ pub fn crown_from_files<E: From<CrownFolderError>>(
         color,
         height: height.map(|&value| (f64::from(value) / 65_535.0) as f32),
         base_mesh: decode_ply(&read(BASE_MESH)?).map_err(CrownFolderError::from)?,
+        cover: record.cover,
     };
     Ok((crown, record))
 }
@@ -310,6 +326,7 @@ mod tests {
                 Straight([d.x as u8, d.y as u8, d.z as u8, 255])
             }),
             height: Cubemap::from_directions(8, |d| (0.5 + 0.5 * d.z) as f32),
+            cover: 1.0,
             base_mesh: Mesh {
                 positions: vec![DVec3::X, DVec3::Y, DVec3::Z, DVec3::splat(-1.0)],
                 triangles: vec![[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]],

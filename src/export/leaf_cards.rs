@@ -352,6 +352,7 @@ mod tests {
             color: Cubemap::filled(32, Straight([60, 120, 40, 255])),
             height: Cubemap::filled(32, 0.5),
             base_mesh: crate::geometry::Mesh::default(),
+            cover: 1.0,
         };
         let stand = Stand {
             height_m: 7.0,

@@ -51,6 +51,18 @@ pub struct CrownSettings {
     /// Height of the crown's lowest point above the ground, metres; by default
     /// [`TRUNK_SHARE`] of the crown's height.
     pub trunk_height_m: Option<f64>,
+    /// Whether the crown stands about one straight stem, as a spruce: each height is made as deep as it is
+    /// wide, and its tip may be sharp.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub round: bool,
+    /// How much of the crown's outline leaves fill, 0 to 1: in sparse ones one sees the stem.
+    #[serde(skip_serializing_if = "is_closed")]
+    pub cover: f64,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it")]
+fn is_closed(cover: &f64) -> bool {
+    *cover >= 1.0
 }
 
 /// Height of the bare trunk where nobody says more, as a share of the crown's: what a free-standing
@@ -65,6 +77,10 @@ const MOST_K: f64 = 50.0;
 /// width at 2.
 const STEEPEST_BASE: f64 = 2.0;
 
+/// The same of a crown about one straight stem: the tip of a spruce twice as high as wide has 4, and its
+/// needles may be drawn out there.
+const STEEPEST_SPIRE: f64 = 4.5;
+
 impl Default for CrownSettings {
     fn default() -> Self {
         Self {
@@ -78,6 +94,8 @@ impl Default for CrownSettings {
             foliage: CubemapSettings::default(),
             height_m: 10.0,
             trunk_height_m: None,
+            round: false,
+            cover: 1.0,
         }
     }
 }
@@ -174,6 +192,12 @@ impl CrownSettings {
                 (0.0..=1000.0).contains(&trunk),
                 "0 to 1000",
             ),
+            (
+                "cover",
+                self.cover,
+                (0.0..=1.0).contains(&self.cover),
+                "0 to 1",
+            ),
         ];
         match rules.into_iter().find(|rule| !rule.2) {
             None => self.relief.check(),
@@ -266,6 +290,7 @@ fn with_relief(
         color,
         height,
         base_mesh: shape.base_mesh,
+        cover: settings.cover as f32,
     })
 }
 
@@ -362,7 +387,11 @@ pub(super) fn base_radius(
     let center = shape.frame.center_m;
     let copies = turned_copies(&shape.base_mesh, center, settings.copies);
     let radius = merged_radius_cubemap(&copies, center, settings.size, cancel)?;
-    Ok(without_steep_walls(&radius, STEEPEST_BASE))
+    let steepest = match settings.round {
+        true => STEEPEST_SPIRE,
+        false => STEEPEST_BASE,
+    };
+    Ok(without_steep_walls(&radius, steepest))
 }
 
 /// The stage `foliage`: colours around a shape and its radius.
@@ -507,7 +536,10 @@ impl Inflated {
             Some(tangent) => tangent.on_ring(inflation.domain())?,
             None => k_of_depth(inflation, f64::from(bounds.width) / 2.0, cancel)?,
         };
-        let pixels = sheet_surface(&inflation.sheet(&k, cancel)?, &k);
+        let mut pixels = sheet_surface(&inflation.sheet(&k, cancel)?, &k);
+        if settings.round {
+            make_round(&mut pixels);
+        }
         let in_photo = |length: f64| length / volume.scale;
         Ok(CrownShape {
             base_mesh: into_world(&pixels, bounds, frame.metres_per_pixel, frame.base_m),
@@ -519,6 +551,34 @@ impl Inflated {
                 k.iter().copied().fold(0.0, f64::max),
             ]),
         })
+    }
+}
+
+/// Makes each row of an inflated `mesh`, in pixels, as deep as it is wide.
+fn make_round(mesh: &mut Mesh) {
+    let row = |y: f64| y.round().max(0.0) as usize;
+    let rows = mesh.positions.iter().map(|p| row(p.y)).max().unwrap_or(0) + 1;
+    // Left, right and depth of each row.
+    let mut ends = vec![[f64::INFINITY, f64::NEG_INFINITY, 0.0]; rows];
+    for place in &mesh.positions {
+        let [left, right, depth] = &mut ends[row(place.y)];
+        *left = left.min(place.x);
+        *right = right.max(place.x);
+        *depth = depth.max(place.z.abs());
+    }
+    // Over a few rows: boughs do not reach as far to all sides in the same row.
+    let reach = rows / 24;
+    let factor = |at: usize| {
+        let around = &ends[at.saturating_sub(reach)..(at + reach + 1).min(rows)];
+        let found = around.iter().filter(|ends| ends[0] <= ends[1]);
+        let (half, depth) = found.fold((0.0, 0.0), |sum, [left, right, depth]| {
+            (sum.0 + 0.5 * (right - left), sum.1 + depth)
+        });
+        (half / f64::max(depth, 1e-6)).min(4.0)
+    };
+    let factors: Vec<f64> = (0..rows).map(factor).collect();
+    for place in &mut mesh.positions {
+        place.z *= factors[row(place.y)];
     }
 }
 

@@ -247,6 +247,7 @@ impl LiveCrown {
             color,
             height: height.value.clone(),
             base_mesh: shape.base_mesh.clone(),
+            cover: settings.cover as f32,
         };
         Ok(LiveResult {
             crown: Arc::new(crown),

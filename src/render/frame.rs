@@ -126,8 +126,10 @@ pub struct CrownNumbers {
     pub stem: [f32; 4],
     /// Side of a texel of the radii, as a share of their rectangle.
     pub radius_texel: [f32; 2],
-    /// To a multiple of 16 bytes.
-    pub padding: [f32; 2],
+    /// Height by width: leaves are spread over a ball drawn out so.
+    pub slender: f32,
+    /// Side of leaves, as a share of that in a closed crown.
+    pub leaf_side: f32,
 }
 
 /// One crown of the picture.
@@ -247,6 +249,24 @@ const FAR_CORE: [f32; 2] = [0.985, 0.9];
 /// Finest level of a near core.
 const CORE_LEVEL: f32 = 3.0;
 
+/// Cover up to which leaves are so small that sky shows between them as in the picture, and from which on a
+/// crown is closed.
+const OPEN: [f32; 2] = [0.72, 0.9];
+
+/// How often a line of sight through the middle of a closed crown meets a leaf.
+const LAYERS: f32 = 3.0;
+
+/// The area of leaves that cover so much of a crown, as a share of that in a closed one: by the law of Beer
+/// and Lambert, ln(1 − cover) / −[`LAYERS`].
+fn leaf_area(cover: f32) -> f32 {
+    let closed = ((cover - OPEN[0]) / (OPEN[1] - OPEN[0])).clamp(0.0, 1.0);
+    let open = (-libm::logf(1.0 - cover.clamp(0.1, 0.9)) / LAYERS).min(1.0);
+    open + closed * (1.0 - open)
+}
+
+/// Least area of leaves that hides what is within: below it a crown has no core.
+const HIDING: f32 = 0.75;
+
 /// Radii of a crown, in pixels, at which its leaves keep to the surface as relief does, and at
 /// which they are free of it.
 const KEPT_RADIUS: f32 = 100.0;
@@ -317,7 +337,9 @@ impl Resolved {
                 resolved.leaves.push((crown, numbers));
                 let prepared = &view.crowns[crown];
                 let freedom = leaf_freedom(radius_pixels(view, settings, prepared, &numbers));
-                resolved.relief.push((crown, numbers.core(freedom)));
+                if leaf_area(prepared.cover) >= HIDING {
+                    resolved.relief.push((crown, numbers.core(freedom)));
+                }
             }
         }
         // A crown's own after one another, so that the card changes crowns seldom.
@@ -362,7 +384,8 @@ impl CrownNumbers {
             center_height: crown.center.y,
             stem: crown.stem,
             radius_texel: [width, height].map(|side| 1.0 / side as f32),
-            padding: [0.0; 2],
+            slender: crown.slender,
+            leaf_side: leaf_area(crown.cover).sqrt(),
         }
     }
 }

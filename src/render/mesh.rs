@@ -212,6 +212,7 @@ mod tests {
             color: Cubemap::filled(16, Straight([90, 120, 60, 255])),
             height: Cubemap::filled(16, 0.5),
             base_mesh: Mesh::default(),
+            cover: 1.0,
         }
     }
 

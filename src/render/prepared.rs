@@ -6,7 +6,7 @@ use super::packed_cube::PackedCube;
 use crate::base::{Cancel, Cancelled, Digest};
 use crate::raster::{Cubemap, Straight};
 use crate::scene::{Crown, Trunk};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
 /// What is known of a crown before a camera is. A clone shares the cubemaps.
@@ -24,6 +24,10 @@ pub struct PreparedCrown {
     pub(crate) radius_range: (f32, f32),
     /// Mean radius, metres.
     pub(crate) mean_radius: f32,
+    /// Height by width, from 1 to [`MOST_SLENDER`].
+    pub(crate) slender: f32,
+    /// See [`Crown::cover`].
+    pub(crate) cover: f32,
     /// From the centre to the foot of the stem, and the stem's radius, metres; 0: no stem.
     pub(crate) stem: [f32; 4],
     /// Of the radii and of the colours: by them a renderer knows what it has.
@@ -54,6 +58,8 @@ impl PreparedCrown {
             center: crown.center_m.as_vec3(),
             radius_range: crown.radius_range_m(),
             mean_radius: mean_radius(crown),
+            slender: slender(crown),
+            cover: crown.cover,
             stem: [0.0; 4],
         })
     }
@@ -83,6 +89,8 @@ impl PreparedCrown {
             center: crown.center_m.as_vec3(),
             radius_range: crown.radius_range_m(),
             mean_radius: mean_radius(crown),
+            slender: slender(crown),
+            cover: crown.cover,
             ..self.clone()
         }
     }
@@ -116,6 +124,22 @@ fn with_ambient(color: &Cubemap<Straight>, ambient: &Cubemap<f32>) -> Cubemap<Te
         }
     }
     texels
+}
+
+/// Largest height by width that leaves are spread for.
+const MOST_SLENDER: f32 = 4.0;
+
+/// How far a crown reaches up and down, by how far it reaches aside; crowns wider than high have 1.
+fn slender(crown: &Crown) -> f32 {
+    const SIDES: usize = 16;
+    let radius = &crown.radius_m;
+    let around = (0..SIDES).map(|i| {
+        let turn = std::f64::consts::TAU * i as f64 / SIDES as f64;
+        radius.sampled(DVec3::new(libm::cos(turn), 0.0, libm::sin(turn)))
+    });
+    let aside = around.sum::<f32>() / SIDES as f32;
+    let along = 0.5 * (radius.sampled(DVec3::Y) + radius.sampled(DVec3::NEG_Y));
+    (along / aside.max(1e-6)).clamp(1.0, MOST_SLENDER)
 }
 
 /// The mean of all texels of the radius.
@@ -161,6 +185,7 @@ mod tests {
             color,
             height: Cubemap::filled(16, 0.5),
             base_mesh: Mesh::default(),
+            cover: 1.0,
         };
         let prepared = PreparedCrown::new(&crown, &Cancel::new()).unwrap();
         let ([texel, ..], _, _) = prepared.surface.around(Vec3::Z, 1);
@@ -176,6 +201,7 @@ mod tests {
             color: Cubemap::filled(16, Straight([red, 90, 40, 255])),
             height: Cubemap::filled(16, 0.5),
             base_mesh: Mesh::default(),
+            cover: 1.0,
         };
         let prepared = |crown: &Crown| PreparedCrown::new(crown, &Cancel::new()).unwrap();
         let one = prepared(&crown(2.0, 50));

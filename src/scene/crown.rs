@@ -19,6 +19,8 @@ pub struct Crown {
     pub height: Cubemap<f32>,
     /// The base mesh before relief, metres, in the frame of the tree.
     pub base_mesh: Mesh,
+    /// How much of the crown's outline leaves fill, as one sees it: 0 nothing, 1 no sky shows through.
+    pub cover: f32,
 }
 
 impl Crown {

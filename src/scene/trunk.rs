@@ -18,22 +18,31 @@ pub struct Trunk {
     pub bow_m: DVec3,
 }
 
+/// Cover below which one sees the stem within the crown, and how far up it then stands, as a share of the
+/// crown's radius above its centre.
+const OPEN: f32 = 0.8;
+const UPWARDS: f64 = 0.6;
+
 /// Radius of a stem of the height 1: that of an oak that stands alone.
 const SLENDERNESS: f64 = 0.022;
 
 impl Trunk {
-    /// A stem from the tree's base into the middle of `crown`, as stout as the tree's height asks
-    /// for.
+    /// A stem from the tree's base into the middle of `crown`, through most of a sparse one, as stout as the
+    /// tree's height asks for.
     pub fn under(crown: &Crown) -> Self {
         let (middle, _) = crown.tree_bounds();
         let height = 2.0 * middle.y;
         let base_radius_m = SLENDERNESS * height;
         let foot = DVec3::new(0.0, 0.0, crown.center_m.z);
+        let is_open = crown.cover < OPEN;
+        let above = f64::from(crown.radius_m.sampled(DVec3::Y)) * UPWARDS;
+        let above = if is_open { above } else { 0.0 };
+        let thin = if is_open { 0.12 } else { 0.45 };
         Self {
             base_m: foot,
-            top_m: crown.center_m,
+            top_m: crown.center_m + DVec3::Y * above,
             base_radius_m,
-            top_radius_m: 0.45 * base_radius_m,
+            top_radius_m: thin * base_radius_m,
             bow_m: DVec3::new(0.5, 0.0, 0.3) * base_radius_m,
         }
     }

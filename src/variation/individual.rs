@@ -13,9 +13,10 @@
 //! Limits: the trunk and the few limbs that cross the whole crown stay or are cut; a palm's fronds are
 //! cut too, so trees whose crown is few large pieces should be varied gently.
 
+use super::habit::Habit;
 use super::noise::Noise;
 use super::stem::rebarked;
-use super::sway::{swayed, without_gaps};
+use super::sway::{Boughs, swayed, without_gaps};
 use super::{HslShift, Tree};
 use crate::base::{Cancel, Cancelled, Random, Seed};
 use crate::raster::{Image, Rect, Straight, labelled_components, opaque_bounds, smoothed_within};
@@ -27,6 +28,10 @@ const CELLS_ACROSS: f64 = 8.0;
 
 /// Places that are tried for a cell.
 const TRIES: usize = 140;
+
+/// The same in what stands straight, whose places are all alike: with more, all individuals would find the
+/// same one.
+const TRIES_STRAIGHT: usize = 30;
 
 /// Samples around and in a cell that places are compared by.
 const SAMPLES: usize = 56;
@@ -44,6 +49,13 @@ const CLUMP: f64 = 1.6;
 
 /// How far, in cell sizes, a fully light leaf reaches over its cell's border.
 const OVERLAP: f32 = 0.34;
+
+/// In what stands straight a cell's foliage comes from about as far out on a bough, up to this share of the
+/// boughs' length: it must hang as boughs do there.
+const ALONG_BOUGH: f64 = 0.5;
+
+/// Tips whose half width is less than this many cell sizes stay as they are.
+const TIP: f64 = 0.6;
 
 /// Standard deviation of the Gaussian that tells how deep in the crown a pixel lies, in cell sizes; on the
 /// outline it gives 0.5. Up to [`INSIDE`] leaves stand as they grew, below [`OUTSIDE`] is sky.
@@ -83,11 +95,17 @@ pub fn make_individual(
     let shift = HslShift::drawn(COLOR * strength, &mut random);
     let of_clump = HslShift::drawn(CLUMP_COLOR * strength, &mut random);
     let grid = Grid::new(bounds, crown.count(), &mut random);
+    let Some(habit) = Habit::of(tree) else {
+        return Ok(());
+    };
     rebarked(tree, grid.side, strength, &mut random);
-    let outline = swayed(tree, grid.side, strength, &mut random, cancel)?;
+    let boughs = Boughs::new(&mut seed.derive("boughs", 0).random());
+    let stance = (&habit, &boughs);
+    let outline = swayed(tree, stance, grid.side, strength, &mut random, cancel)?;
     let both = Both {
         swayed: &outline,
         tree,
+        habit: &habit,
     };
     let patches: Vec<Patch> = (0..grid.cells.len())
         .into_par_iter()
@@ -100,7 +118,8 @@ pub fn make_individual(
         .collect::<Result<_, Cancelled>>()?;
     let (image, labels) = composed(both, &grid, &patches);
     let grown = Tree { image, labels };
-    let (mut made, inside) = within_outline(&outline, &grown, grid.side, &mut random, cancel)?;
+    let whole = (&outline, &habit);
+    let (mut made, inside) = within_outline(whole, &grown, grid.side, &mut random, cancel)?;
     clear_loose_leaves(&mut made, &inside, grid.side);
     let Tree { mut image, labels } = made;
     let clumps = Noise::new(&mut random);
@@ -124,7 +143,7 @@ pub fn make_individual(
 /// out from place to place, and the tips of `tree`'s own twigs stay; a little deeper a cell may show sky
 /// that belongs beyond it, and there `tree` fills it.
 fn within_outline(
-    tree: &Tree,
+    (tree, habit): (&Tree, &Habit),
     grown: &Tree,
     side: f64,
     random: &mut Random,
@@ -149,6 +168,7 @@ fn within_outline(
         .enumerate();
     rows.for_each(
         |(y, (((pixels, labels), (foliage, foliage_labels)), inside))| {
+            let reached = outermost(habit, y, side);
             for x in 0..width {
                 if labels[x] == Label::Trunk || foliage_labels[x] == Label::Trunk {
                     continue;
@@ -159,7 +179,7 @@ fn within_outline(
                     let at = |wave: f64| reach.at([x, y].map(|along| along as f64 / (wave * side)));
                     let [wide, fine] = REACHES.map(at);
                     let least = OUTERMOST * (0.65 * wide + 0.35 * fine) as f32;
-                    is_leaf && depth > OUTSIDE.max(least)
+                    is_leaf && depth > reached.max(least)
                 } else {
                     is_leaf || !(INSIDE..DEEP).contains(&depth)
                 };
@@ -170,6 +190,13 @@ fn within_outline(
         },
     );
     Ok((result, inside))
+}
+
+/// The depth from which leaves may stand out in row `y`: about a slender tip none stand far out.
+fn outermost(habit: &Habit, y: usize, side: f64) -> f32 {
+    let room = (habit.half(y as f64) / (1.5 * side)).min(1.0);
+    let kept = (habit.straight() * (1.0 - room)) as f32;
+    OUTSIDE + kept * (0.45 - OUTSIDE)
 }
 
 /// Clears what hangs in the air beyond the outline: leaves of a cell whose twig lies in another.
@@ -262,6 +289,7 @@ impl Grid {
 struct Both<'a> {
     swayed: &'a Tree,
     tree: &'a Tree,
+    habit: &'a Habit,
 }
 
 /// Where a cell takes its foliage from.
@@ -299,7 +327,10 @@ impl Patch {
     ) -> Self {
         let own = Self::own(grid.cells[cell]);
         // All draws are made whatever the strength, so that more strength only adds changes.
-        if random.unit() >= share_changed(strength) {
+        let habit = both.habit;
+        let is_straight = habit.straight() >= 0.5;
+        let is_tip = is_straight && habit.half(own.to[1]) < TIP * grid.side;
+        if random.unit() >= share_changed(strength) || is_tip {
             return own;
         }
         let ring: Vec<[f64; 2]> = (0..SAMPLES)
@@ -310,12 +341,17 @@ impl Patch {
             })
             .collect();
         let mut best: Option<(f64, Self)> = None;
-        for _ in 0..TRIES {
+        let tries = if is_straight { TRIES_STRAIGHT } else { TRIES };
+        for _ in 0..tries {
             let [across, down, side] = [0; 3].map(|_| random.unit());
-            let from = [
-                f64::from(bounds.x) + across * f64::from(bounds.width),
-                own.to[1] + REACH * (2.0 * down - 1.0) * f64::from(bounds.height),
-            ];
+            let y = own.to[1] + REACH * (2.0 * down - 1.0) * f64::from(bounds.height);
+            let (x, is_mirrored) = if is_straight {
+                along_bough(habit, own.to, y, across, side)
+            } else {
+                let x = f64::from(bounds.x) + across * f64::from(bounds.width);
+                (x, side < 0.5)
+            };
+            let from = [x, y];
             let apart = (from[0] - own.to[0]).hypot(from[1] - own.to[1]);
             if apart < 1.1 * grid.side {
                 continue;
@@ -323,7 +359,7 @@ impl Patch {
             let patch = Self {
                 from,
                 is_own: false,
-                is_mirrored: side < 0.5,
+                is_mirrored,
                 ..own
             };
             if let Some((cost, lift)) = patch.cost(both, &ring)
@@ -348,7 +384,7 @@ impl Patch {
 
     /// How badly the patch fits, and the lift that makes its light that of its place; `None` where
     /// either shows trunk.
-    fn cost(&self, Both { swayed, tree }: Both<'_>, ring: &[[f64; 2]]) -> Option<(f64, f32)> {
+    fn cost(&self, Both { swayed, tree, .. }: Both<'_>, ring: &[[f64; 2]]) -> Option<(f64, f32)> {
         let (mut own_light, mut other_light, mut lit) = (0.0f64, 0.0, 0.0f64);
         let (mut alpha, mut color) = (0.0, 0.0);
         for offset in ring {
@@ -382,6 +418,19 @@ impl Patch {
     }
 }
 
+/// Where, at height `y`, boughs are about as far out as at `to`, and whether foliage from there is to be
+/// mirrored: on the other side it is, next to the stem it may be. `share` and `side` are draws from 0 to 1.
+fn along_bough(habit: &Habit, to: [f64; 2], y: f64, share: f64, side: f64) -> (f64, bool) {
+    /// Share of a bough next to the stem.
+    const INNER: f64 = 0.4;
+    let out = (to[0] - habit.axis(to[1])) / habit.half(to[1]).max(1.0);
+    let is_other = side < 0.5;
+    let is_turned = out.abs() < INNER && (2.0 * side).fract() < 0.5;
+    let out = out + ALONG_BOUGH * (2.0 * share - 1.0);
+    let out = if is_other { -out } else { out };
+    (habit.axis(y) + out * habit.half(y), is_other != is_turned)
+}
+
 /// The share of cells that change at this strength: at 0.7 nearly all, for every clump that stays is
 /// found again.
 fn share_changed(strength: f64) -> f64 {
@@ -396,7 +445,7 @@ fn light(pixel: Straight) -> f32 {
 
 /// The picture and its labels with every cell from where its patch says.
 fn composed(
-    Both { swayed, tree }: Both<'_>,
+    Both { swayed, tree, .. }: Both<'_>,
     grid: &Grid,
     patches: &[Patch],
 ) -> (Image<Straight>, Labels) {

@@ -5,11 +5,16 @@
 //! normal of the crown's rounded outline, which makes lobes and bays and, however short its waves along
 //! the outline, folds nothing; and the *stem*, which leans and bends a little and lifts its crown or lets
 //! it down. The foot stays; the first two fade in above the crown's lower end. Nothing grows out of
-//! the picture.
+//! the picture. A slender part is moved as little as it is wide.
+//!
+//! What stands about one straight stem ([`Habit`]) is moved otherwise: its tiers come higher or lower, its
+//! boughs reach farther or less far, both sides much alike, and hang more or less. So a spire keeps its
+//! tip, narrows to it, and has its tiers level.
 //!
 //! Limits: where waves of all kinds come together the picture may fold over a few pixels; foliage hides it.
 
 use super::Tree;
+use super::habit::Habit;
 use super::noise::Noise;
 use crate::base::{Cancel, Cancelled, Random};
 use crate::raster::{
@@ -23,6 +28,29 @@ const SWAY: [[f64; 2]; 2] = [[5.5, 1.0], [2.4, 0.4]];
 
 /// The same of the waves in which the outline swells.
 const SWELL: [[f64; 2]; 2] = [[3.2, 0.9], [1.6, 0.3]];
+
+/// How much less what stands straight sways, swells, leans and bends.
+const STRAIGHT_SWAY: f64 = 0.8;
+const STRAIGHT_SWELL: f64 = 0.2;
+const STRAIGHT_LEAN: f64 = 0.6;
+
+/// Crowns narrower than twice this many cell sizes are moved less if they stand straight.
+const SLENDER: f64 = 1.6;
+
+/// Of what stands straight: length and height of the waves in which boughs reach out, in cell sizes and
+/// as a share of their length; both sides together, and each by itself.
+const REACH: [[f64; 2]; 2] = [[3.4, 0.18], [1.3, 0.09]];
+const REACH_OF_SIDE: [[f64; 2]; 2] = [[2.6, 0.12], [0.9, 0.12]];
+
+/// How much wider or narrower the whole of it becomes, and its foot against its tip.
+const BROAD: f64 = 0.24;
+const SPREAD: f64 = 0.18;
+
+/// Length and height of the waves in which its tiers move up and down, in cell sizes.
+const TIERS: [[f64; 2]; 2] = [[3.0, 1.0], [1.2, 0.42]];
+
+/// How much its boughs rise or hang, as a slope.
+const DROOP: f64 = 0.2;
 
 /// How far the top may lean and the middle of the tree bend aside, in cell sizes, at full strength.
 const LEAN: f64 = 0.8;
@@ -48,12 +76,13 @@ const NODES: f64 = 6.0;
 /// Gaps up to twice this wide, in cell sizes, belong to the inside although the sky reaches into them.
 const CLOSED: f64 = 0.16;
 
-/// `tree` with its crown moved; `side` is the size of a cell, pixels.
+/// `tree`, which has that habit and is to have those boughs, with its crown moved; `side` is the size of a cell, pixels.
 ///
 /// # Errors
 /// [`Cancelled`].
 pub(super) fn swayed(
     tree: &Tree,
+    (habit, boughs): (&Habit, &Boughs),
     side: f64,
     strength: f64,
     random: &mut Random,
@@ -63,8 +92,10 @@ pub(super) fn swayed(
     let moves = Moves {
         sway: [0; 2].map(|_| Waves::new(SWAY, random)),
         swell: Waves::new(SWELL, random),
-        stem: Stem::new(tree, side, strength, random),
+        stem: Stem::new(tree, habit, side, strength, random),
+        boughs,
         rounded: Rounded::of(image, side, cancel)?,
+        habit,
         width: f64::from(image.width()),
         side,
         strength,
@@ -86,32 +117,40 @@ pub(super) fn swayed(
 }
 
 /// All that moves a tree.
-struct Moves {
+struct Moves<'a> {
     sway: [Waves; 2],
     swell: Waves,
     stem: Stem,
+    boughs: &'a Boughs,
     rounded: Rounded,
+    habit: &'a Habit,
     /// Of the picture, pixels.
     width: f64,
     side: f64,
     strength: f64,
 }
 
-impl Moves {
+impl Moves<'_> {
     /// The place that pixel (x, y) of the moved tree comes from.
     fn source(&self, x: f64, y: f64) -> [f64; 2] {
-        let Self { side, stem, .. } = self;
+        let Self {
+            side, stem, habit, ..
+        } = self;
         let [leant, lifted] = stem.at(y);
         let free = ((stem.low - y) / (2.0 * side)).clamp(0.0, 1.0) * self.strength * side;
         let (mut dx, mut dy) = (leant, lifted);
         if free > 0.0 {
             let place = [x / side, y / side];
             let inwards = self.rounded.inwards(x, y);
-            let swell = self.swell.at(place);
+            let straight = habit.straight();
+            let room = 1.0 - straight * (1.0 - (habit.half(y) / (SLENDER * side)).min(1.0));
+            let swell = room * (1.0 - STRAIGHT_SWELL * straight) * self.swell.at(place);
+            let sway = room * (1.0 - STRAIGHT_SWAY * straight);
             let [across, down] =
-                [0, 1].map(|axis| self.sway[axis].at(place) + swell * inwards[axis]);
-            dx += free * across;
-            dy += free * down;
+                [0, 1].map(|axis| sway * self.sway[axis].at(place) + swell * inwards[axis]);
+            let [outwards, level] = self.boughs.at(habit, x, y, *side);
+            dx += free * (across + straight * outwards);
+            dy += free * (down + straight * level);
         }
         // Towards the frame the tree may shrink but not grow.
         let near = |gap: f64| (gap / (1.2 * side)).clamp(0.0, 1.0);
@@ -131,6 +170,47 @@ impl Moves {
     }
 }
 
+/// How the boughs of what stands straight lie.
+pub(super) struct Boughs {
+    reach: Waves,
+    of_sides: [Waves; 2],
+    tiers: Waves,
+    broad: f64,
+    spread: f64,
+    droop: f64,
+}
+
+impl Boughs {
+    pub(super) fn new(random: &mut Random) -> Self {
+        Self {
+            reach: Waves::new(REACH, random),
+            of_sides: [0; 2].map(|_| Waves::new(REACH_OF_SIDE, random)),
+            tiers: Waves::new(TIERS, random),
+            broad: BROAD * random.between(-1.0, 1.0),
+            spread: SPREAD * random.between(-1.0, 1.0),
+            droop: DROOP * random.between(-1.0, 1.0),
+        }
+    }
+
+    /// How far aside and below place (x, y) comes from, in cell sizes.
+    fn at(&self, habit: &Habit, x: f64, y: f64, side: f64) -> [f64; 2] {
+        let out = (x - habit.axis(y)) / side;
+        let row = [0.0, y / side];
+        // Both sides meet smoothly on the axis.
+        let share = 0.5 + 0.5 * (out / 0.5).clamp(-1.0, 1.0);
+        let [left, right] = [0, 1].map(|of| self.of_sides[of].at(row));
+        let spread = self.spread * (2.0 * habit.share(y) - 1.0);
+        let longer = self.broad + spread + self.reach.at(row) + left + share * (right - left);
+        // The tip stays where it is.
+        let below_tip = ((y - habit.top()) / (2.0 * side)).clamp(0.0, 1.0);
+        let hangs = self.droop * ((out * out + 0.06).sqrt() - 0.245);
+        [
+            -out * longer / (1.0 + longer),
+            below_tip * self.tiers.at(row) - hangs,
+        ]
+    }
+}
+
 /// How the stem stands.
 struct Stem {
     top: f64,
@@ -147,7 +227,8 @@ struct Stem {
 }
 
 impl Stem {
-    fn new(tree: &Tree, side: f64, strength: f64, random: &mut Random) -> Self {
+    fn new(tree: &Tree, habit: &Habit, side: f64, strength: f64, random: &mut Random) -> Self {
+        let aside = side * (1.0 - STRAIGHT_LEAN * habit.straight());
         let bounds = opaque_bounds(&tree.image.map(|pixel| pixel.alpha() >= 96));
         let (top, foot) = bounds.map_or((0.0, 1.0), |bounds| {
             let top = f64::from(bounds.y);
@@ -161,8 +242,8 @@ impl Stem {
             top,
             low,
             foot,
-            lean: LEAN * side * strength * lean,
-            bend: BEND * side * strength * bend,
+            lean: LEAN * aside * strength * lean,
+            bend: BEND * aside * strength * bend,
             lift: (LIFT * side).min(most.max(0.0)) * strength * lift,
             winds: Waves::new(WINDS, random),
             bark: BARK * (foot - low).max(0.0) * strength * bark,

@@ -478,6 +478,7 @@ fn lumpy() -> Crown {
         color: Cubemap::from_directions(256, |d| color(d.normalize())),
         height: Cubemap::filled(256, 0.5),
         base_mesh: Mesh::default(),
+        cover: 1.0,
     }
 }
 

@@ -85,11 +85,13 @@ fn leaf(
     let salt = hash(index ^ instance.dither);
     let grown = ((count - index as f32) / (GROWING * count)).clamp(0.0, 1.0);
     let vary = 0.8 + 0.4 * hashed(salt ^ 1);
-    let half_m = frame.leaf_size * numbers.mean_radius * grown * vary / count.sqrt();
+    let side = numbers.mean_radius * numbers.leaf_side;
+    let half_m = frame.leaf_size * side * grown * vary / count.sqrt();
     let share = ball.dot(ball).sqrt();
-    let direction = ball * (1.0 / share.max(1e-6));
+    let drawn_out = Vec3::new(ball.x, ball.y * numbers.slender, ball.z);
+    let direction = drawn_out * (1.0 / drawn_out.dot(drawn_out).sqrt().max(1e-6));
     let shape_level = numbers.radius_levels.max(4) - 4;
-    let reach = radius.sampled(direction, shape_level);
+    let reach = radius.sampled(direction, numbers.radius_levels.max(6) - 6);
     let point = if frame.leaf_clip == 0 {
         let out = STANDS_OUT * reach * (DEEPEST + (1.0 - DEEPEST) * share) - DRAWN_BACK * half_m;
         direction * out.max(0.0)

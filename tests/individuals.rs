@@ -168,14 +168,14 @@ fn a_spruce_stays_a_spire() {
     let mut wrong = Vec::new();
     for name in CONIFERS {
         let own = Spire::of(&plain(&library, name));
-        for strength in [0.7, 1.0] {
+        for (strength, lumps) in [(0.7, 0.12), (1.0, 0.2)] {
             for (seed, tree) in individuals(&library, name, strength, 6).iter().enumerate() {
                 let new = Spire::of(tree);
                 let slender = new.aspect / own.aspect;
                 let rules = [
                     ("blunt", new.tenth < own.tenth + 0.1),
                     ("blunt", new.quarter < own.quarter + 0.15),
-                    ("lumps", new.widening < own.widening + 0.15),
+                    ("lumps", new.widening < own.widening + lumps),
                     ("crooked", new.lean < own.lean + 0.1),
                     ("lopsided", new.imbalance < own.imbalance + 0.15),
                     ("of other proportions", (0.58..1.65).contains(&slender)),

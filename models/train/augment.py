@@ -87,7 +87,7 @@ def skirted(rng, tree):
     left, right = trunk[:, 1].min(), trunk[:, 1].max()
     height, width = tree.labels.shape
     rgba, labels = tree.rgba.copy(), tree.labels.copy()
-    reach = top + (bottom - top) * rng.uniform(0.1, 0.9)
+    reach = top + (bottom - top) * rng.uniform(0.1, 1.2)
     for _ in range(rng.integers(3, 14)):
         w, h = int(rng.uniform(0.06, 0.25) * width) + 3, int(rng.uniform(0.03, 0.12) * height) + 3
         y0 = int(rng.uniform(0, max(1, top)))
@@ -180,11 +180,26 @@ def painted(rng, layer):
         rgb = np.where(crown[..., None], rgb * (1 + (patches - 0.5) * rng.uniform(0.3, 2.0)), rgb)
     if rng.random() < 0.15:
         rgb = snowed(rng, layer, rgb)
+    if rng.random() < 0.4 and body.any():
+        rgb = rgb * shade(rng, layer)[..., None]
     if rng.random() < 0.7:
         rgb = lit(rng, rgb)
     if rng.random() < 0.12:
         rgb = rgb * rng.uniform(0.1, 0.5)
     return dataclasses.replace(layer, rgb=np.clip(rgb, 0, 1).astype(np.float32))
+
+
+def shade(rng, layer):
+    """The tree's shade on itself, in 0..1: foliage and stem darken downwards and away from the light."""
+    size = layer.alpha.shape[0]
+    left, top, right, bottom = bounds(layer.alpha > 0)
+    y, x = np.mgrid[0:size, 0:size].astype(np.float32)
+    down = np.clip((y - top) / max(1, bottom - top), 0, 1)
+    aside = np.clip((x - left) / max(1, right - left), 0, 1)
+    aside = aside if rng.random() < 0.5 else 1 - aside
+    depth = down ** rng.uniform(0.7, 2.5) * rng.uniform(0.2, 0.75) + aside * rng.uniform(0, 0.4)
+    patches = smooth_noise(rng, size, rng.integers(4, 16), 2)
+    return np.clip(1 - depth * (0.6 + 0.8 * patches), 0.12, 1).astype(np.float32)
 
 
 def snowed(rng, layer, rgb):

@@ -13,7 +13,7 @@ import torch
 from network import Segmenter, folded, multiplications, parameters
 
 OPSET = 17
-VERSION = "2.0"
+VERSION = "2.1"
 # Tensors of at least so many numbers are stored in 16 bits and widened when the model is loaded.
 LARGE = 256
 LICENCE = "Apache-2.0"

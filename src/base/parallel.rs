@@ -12,10 +12,11 @@ pub fn with_threads<T: Send>(
     threads: Option<usize>,
     work: impl FnOnce() -> T + Send,
 ) -> Result<T, rayon::ThreadPoolBuildError> {
-    let pool = rayon::ThreadPoolBuilder::new()
+    // Scoped: its threads have ended when this returns. A program that exits while some still end lets
+    // libraries, drivers of graphics cards above all, clear away what those threads hold.
+    rayon::ThreadPoolBuilder::new()
         .num_threads(threads.unwrap_or(0))
-        .build()?;
-    Ok(pool.install(work))
+        .build_scoped(|thread| thread.run(), |pool| pool.install(work))
 }
 
 /// Work on numbers that is compiled once for every level of vector unit.

@@ -16,16 +16,28 @@ pub struct Gpu {
 }
 
 impl Gpu {
-    /// The best adapter there is, without a window.
+    /// The best adapter there is, without a window. OpenGL is looked at only where there is nothing
+    /// newer: its drivers stay in a process and may break its end. `WGPU_BACKEND` names another
+    /// choice.
     ///
     /// Asks for time stamps where there are any, for nothing else that an adapter may lack.
     ///
     /// # Errors
     /// [`RenderError::NoAdapter`].
     pub fn offscreen() -> Result<Self, RenderError> {
+        match wgpu::Backends::from_env() {
+            Some(chosen) => Self::of(chosen),
+            None => Self::of(wgpu::Backends::PRIMARY).or_else(|_| Self::of(wgpu::Backends::GL)),
+        }
+    }
+
+    /// The best adapter of some backends.
+    fn of(backends: wgpu::Backends) -> Result<Self, RenderError> {
         let missing = |reason: String| RenderError::NoAdapter(reason);
-        let descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
-        let instance = wgpu::Instance::new(descriptor);
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+            backends,
+            ..wgpu::InstanceDescriptor::new_without_display_handle_from_env()
+        });
         let options = wgpu::RequestAdapterOptions {
             power_preference: wgpu::PowerPreference::HighPerformance,
             ..Default::default()

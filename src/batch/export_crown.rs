@@ -240,17 +240,15 @@ impl CrownExport<'_> {
         let settings = self.settings;
         let out = &settings.out;
         let (crown, record, digest) = read_crown_and_record(folder)?;
-        let made_from = self.recipe(name, digest, session);
+        let leaves = settings.crowns.leaves;
+        let leaves = leaves.unwrap_or_else(|| LeafName::of(&record));
+        let made_from = self.recipe(name, (digest, leaves), session);
         let files = self.files(name);
         let last = out.join(format!("cubemaps/{name}/{LAST}"));
         let is_ready = session.output.is_ready(&last, made_from)
             && files.values().all(|file| out.join(file).is_file());
         let seed = Seed(session.seed);
-        let shape = settings
-            .crowns
-            .leaves
-            .unwrap_or_else(|| LeafName::of(&record));
-        let mut leaves = leaf_model(&crown, name, shape.shape(), seed);
+        let mut leaves = leaf_model(&crown, name, leaves.shape(), seed);
         session.cancel.check()?;
         let mut surface = surface_model(&crown, &format!("{name}_surface"));
         session.cancel.check()?;
@@ -409,15 +407,15 @@ impl CrownExport<'_> {
     }
 
     /// The digest of all that a crown's files are made from.
-    fn recipe(&self, name: &str, crown: Digest, session: &Run<'_>) -> Digest {
+    fn recipe(&self, name: &str, (crown, leaves): (Digest, LeafName), session: &Run<'_>) -> Digest {
         let settings = self.settings;
+        let crowns = CrownExportSettings {
+            leaves: Some(leaves),
+            ..settings.crowns.clone()
+        };
         let told = format!(
-            "{name} {:?} {:?} {:?} {:?} {:?}",
-            settings.preset,
-            settings.crowns,
-            settings.model_textures,
-            settings.wind,
-            settings.rights
+            "{name} {:?} {crowns:?} {:?} {:?} {:?}",
+            settings.preset, settings.model_textures, settings.wind, settings.rights
         );
         recipe("export crown")
             .with(crown.bytes())

@@ -30,16 +30,16 @@ fit() { # name, examples, flags...
 }
 
 # From the features of ImageNet: our own trees, then permissive real images too, then the feet of trees
-# from near, and last everything at the size that the program looks at.
+# from near, and last everything larger than the program looks at it.
 real="--real permissive --real-share 0.4 --billboards 0.3"
 fit own 2144 --rate 2e-3 --billboards 0.35 --close-ups 0
 fit first 5600 $real --rate 1.5e-3 --close-ups 0 --seed 3 --weights "$work/own.pt"
 fit near 2400 $real --rate 1.3e-3 --seed 7 --weights "$work/first.pt"
 fit shipped 9600 --size 320 --real permissive --real-share 0.35 --billboards 0.25 --rate 1e-3 --seed 11 --weights "$work/near.pt"
 
-"$python" "$here/evaluate.py" --data "$data" --size 320 --net "$work/shipped.pt:open" \
+"$python" "$here/evaluate.py" --data "$data" --size 256 --net "$work/shipped.pt:open" \
     --calibration "$work/calibration.json" --json "$work/shipped.json" --draw "$work/shipped"
-"$python" "$here/package.py" "$work/shipped.pt" --size 320 --calibration "$work/calibration.json" --out "$here/.."
+"$python" "$here/package.py" "$work/shipped.pt" --size 256 --calibration "$work/calibration.json" --out "$here/.."
 
 # The same without some of the real images, for a table of pictures that the shipped weights have seen;
 # only when asked for: TABLES=1.

@@ -5,8 +5,8 @@
 //! is found before it begins; each file is written whole or not at all; the same inputs, settings and
 //! seed give the same bytes, whoever asks.
 //!
-//! Imports `base`, `raster`, `geometry`, `contour`, `segment`, `branches`, `variation`, `scene`,
-//! `crown`, `pipeline`, `render` (for its errors), `export`, `sheet`.
+//! Imports `base`, `raster`, `geometry`, `contour`, `segment`, `paint`, `branches`, `variation`, `scene`,
+//! `crown`, `document`, `pipeline`, `render` (for its errors), `export`, `sheet`.
 
 pub(crate) mod crown;
 pub(crate) mod export;

@@ -13,7 +13,7 @@ use crate::base::{Digest, Progress, Seed};
 use crate::crown::Tangent;
 use crate::export::{bled, crown_file_names};
 use crate::pipeline::{CrownError, CrownSettings, crown};
-use crate::raster::{Image, Mask, Straight, dilated, eroded, flooded_from_outside, opaque_bounds};
+use crate::raster::{Image, Mask, Straight, closed_and_filled, dilated, eroded, opaque_bounds};
 use crate::segment::Label;
 use crate::variation::{Tree, stands_straight};
 use serde_json::json;
@@ -172,7 +172,7 @@ fn cover(tree: &Tree) -> f64 {
     let alpha: Image<u8> = Image::from_pixels(width, height, alpha.collect());
     let reach = (BAY * f64::from(width)).round().clamp(1.0, 60.0) as u8;
     let seen = alpha.map(|&alpha| alpha >= 96);
-    let outline = eroded(&flooded_from_outside(&dilated(&seen, reach)), reach);
+    let outline = closed_and_filled(&seen, reach);
     let within = alpha.pixels().iter().zip(outline.pixels());
     let (mut sum, mut count) = (0.0, 0.0);
     for (&alpha, _) in within.filter(|(_, is_within)| **is_within) {

@@ -144,19 +144,14 @@ impl Job for Flags {
     }
 
     fn run(&self, session: &Session<'_>) -> Result<(), Failure> {
-        let crowns = self.crowns(session)?;
+        if is_project(&self.library) {
+            let settings = self.checked(session)?;
+            let crowns = self.project_crowns(&settings, session)?;
+            return export_crowns(&settings, &crowns, session);
+        }
+        let crowns = crown_folders(&self.library)?;
         if !crowns.is_empty() {
-            let settings = &self.checked(session)?;
-            let crowns = &crowns;
-            let made = CrownExport { settings, crowns }.run(session)?;
-            return session.print_json(|| {
-                json!({
-                    "preset": settings.preset.name(),
-                    "crowns": made.records,
-                    "refused": made.refused,
-                    "seconds": session.seconds(),
-                })
-            });
+            return export_crowns(&self.checked(session)?, &crowns, session);
         }
         let file = if self.library.is_dir() {
             self.library.join("library.json")
@@ -188,13 +183,30 @@ impl Job for Flags {
     }
 }
 
+/// Exports crowns that lie in folders, and tells of them.
+fn export_crowns(
+    settings: &ExportSettings,
+    crowns: &[(String, PathBuf)],
+    session: &Session<'_>,
+) -> Result<(), Failure> {
+    let made = CrownExport { settings, crowns }.run(session)?;
+    session.print_json(|| {
+        json!({
+            "preset": settings.preset.name(),
+            "crowns": made.records,
+            "refused": made.refused,
+            "seconds": session.seconds(),
+        })
+    })
+}
+
 impl Flags {
-    /// The crowns to export, if it is no library of trees; those of a project are made first.
-    fn crowns(&self, session: &Session<'_>) -> Result<Vec<(String, PathBuf)>, Failure> {
-        if !is_project(&self.library) {
-            return crown_folders(&self.library);
-        }
-        let settings = self.checked(session)?;
+    /// Makes the crowns of a project.
+    fn project_crowns(
+        &self,
+        settings: &ExportSettings,
+        session: &Session<'_>,
+    ) -> Result<Vec<(String, PathBuf)>, Failure> {
         check_preset(settings.preset)?;
         let failed = |error: StoreError| match error {
             StoreError::File(error) => error.into(),

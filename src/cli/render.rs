@@ -335,8 +335,7 @@ impl Flags {
             return Ok(None);
         }
         let refused = |reason: &dyn std::fmt::Display| Failure::of(self.crown.display(), reason);
-        let has_regions = record.recipe.get("regions").is_some();
-        if has_regions {
+        if record.recipe.get("regions").is_some() {
             return Err(refused(
                 &"its regions have a k each; draw it in another mode",
             ));
@@ -363,9 +362,8 @@ impl Flags {
             ModeName::Base => meshes.push(PreparedMesh::of_base(crown)),
             ModeName::Stretch => meshes.push(PreparedMesh::of_stretch(crown)),
             ModeName::K => {
-                let k = k.unwrap_or_default();
-                let most = range(k)[1];
-                meshes.push(PreparedMesh::heat_map(&crown.base_mesh, k, (0.0, most)));
+                let heat = |k| PreparedMesh::heat_map(&crown.base_mesh, k, (0.0, range(k)[1]));
+                meshes.extend(k.map(heat));
             }
             ModeName::Relief | ModeName::Leaves | ModeName::Auto => {}
         }

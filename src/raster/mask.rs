@@ -74,6 +74,11 @@ pub fn eroded(mask: &Mask, radius: u8) -> Mask {
     dilated(&mask.map(|inside| !inside), radius).map(|outside| !outside)
 }
 
+/// The mask with gaps and bays up to twice `radius` wide closed, and with all holes filled.
+pub fn closed_and_filled(mask: &Mask, radius: u8) -> Mask {
+    eroded(&flooded_from_outside(&dilated(mask, radius)), radius)
+}
+
 /// Number of the 8-connected component of each pixel that belongs: 1, 2, … in the order of their
 /// first pixel from the top; 0 where nothing belongs.
 pub fn labelled_components(mask: &Mask) -> Image<u32> {

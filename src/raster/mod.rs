@@ -32,7 +32,10 @@ pub use grey16::{Grey16Error, decode_grey16_png, encode_grey16_png};
 pub use image::{Image, Premultiplied, Straight};
 #[cfg(test)]
 pub(crate) use mask::mask;
-pub use mask::{Mask, dilated, eroded, flooded_from_outside, labelled_components, opaque_bounds};
+pub use mask::{
+    Mask, closed_and_filled, dilated, eroded, flooded_from_outside, labelled_components,
+    opaque_bounds,
+};
 pub use pyramid::Pyramid;
 pub use read::{
     ImageError, PictureFormat, ReadLimits, Refusal, read_image, read_image_from_memory,

@@ -34,10 +34,10 @@ impl Trunk {
         let height = 2.0 * middle.y;
         let base_radius_m = SLENDERNESS * height;
         let foot = DVec3::new(0.0, 0.0, crown.center_m.z);
-        let is_open = crown.cover < OPEN;
-        let above = f64::from(crown.radius_m.sampled(DVec3::Y)) * UPWARDS;
-        let above = if is_open { above } else { 0.0 };
-        let thin = if is_open { 0.12 } else { 0.45 };
+        let (above, thin) = match crown.cover < OPEN {
+            true => (f64::from(crown.radius_m.sampled(DVec3::Y)) * UPWARDS, 0.12),
+            false => (0.0, 0.45),
+        };
         Self {
             base_m: foot,
             top_m: crown.center_m + DVec3::Y * above,

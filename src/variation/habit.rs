@@ -70,6 +70,11 @@ impl Habit {
         self.straight
     }
 
+    /// Whether it is more of that than not.
+    pub(super) fn is_straight(&self) -> bool {
+        self.straight >= 0.5
+    }
+
     /// x of the axis at height `y`.
     pub(super) fn axis(&self, y: f64) -> f64 {
         self.apex + self.slope * (y - self.top)
@@ -94,7 +99,7 @@ impl Habit {
 
 /// Whether the crown of `tree` stands about one straight stem, as those of spruces and poplars do.
 pub fn stands_straight(tree: &Tree) -> bool {
-    Habit::of(tree).is_some_and(|habit| habit.straight >= 0.5)
+    Habit::of(tree).is_some_and(|habit| habit.is_straight())
 }
 
 /// Means over [`SMOOTHED`] of all rows around each; at the ends of fewer, so that a tip stays one.

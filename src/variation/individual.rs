@@ -328,7 +328,7 @@ impl Patch {
         let own = Self::own(grid.cells[cell]);
         // All draws are made whatever the strength, so that more strength only adds changes.
         let habit = both.habit;
-        let is_straight = habit.straight() >= 0.5;
+        let is_straight = habit.is_straight();
         let is_tip = is_straight && habit.half(own.to[1]) < TIP * grid.side;
         if random.unit() >= share_changed(strength) || is_tip {
             return own;

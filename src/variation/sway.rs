@@ -17,9 +17,7 @@ use super::Tree;
 use super::habit::Habit;
 use super::noise::Noise;
 use crate::base::{Cancel, Cancelled, Random};
-use crate::raster::{
-    Image, Mask, Straight, dilated, eroded, flooded_from_outside, opaque_bounds, smoothed_within,
-};
+use crate::raster::{Image, Mask, Straight, closed_and_filled, opaque_bounds, smoothed_within};
 use crate::segment::crown_baseline;
 use rayon::prelude::*;
 
@@ -76,7 +74,8 @@ const NODES: f64 = 6.0;
 /// Gaps up to twice this wide, in cell sizes, belong to the inside although the sky reaches into them.
 const CLOSED: f64 = 0.16;
 
-/// `tree`, which has that habit and is to have those boughs, with its crown moved; `side` is the size of a cell, pixels.
+/// `tree`, which has that habit and is to have those boughs, with its crown moved; `side` is the size of a
+/// cell, pixels.
 ///
 /// # Errors
 /// [`Cancelled`].
@@ -280,7 +279,7 @@ impl Stem {
 pub(super) fn without_gaps(image: &Image<Straight>, side: f64) -> Mask {
     let reach = (CLOSED * side).clamp(1.0, 60.0) as u8;
     let seen = image.map(|pixel| pixel.alpha() >= 96);
-    eroded(&flooded_from_outside(&dilated(&seen, reach)), reach)
+    closed_and_filled(&seen, reach)
 }
 
 /// Noise of two wave lengths.

@@ -1,4 +1,4 @@
-//! Individuals of real conifers are conifers, and none repeats another.
+//! Individuals of real conifers are conifers, those of palms have whole fronds, and none repeats another.
 //!
 //! The pictures are those of `BOSCAGE_DATA` (default `../shared/data`); without them the tests say so and
 //! pass.
@@ -8,6 +8,7 @@
 mod reference;
 
 use boscage::base::{Cancel, Progress, Seed};
+use boscage::raster::labelled_components;
 use boscage::segment::{Classical, Label};
 use boscage::variation::{
     ChoiceSettings, ExemplarSettings, Finish, IndividualSettings, Library, LibraryPicture, Look,
@@ -37,6 +38,12 @@ const OTHERS: [&str; 3] = [
     "broadleaf_dense_01",
     "broadleaf_dense_02",
     "willow_green_medium_01",
+];
+
+const PALMS: [&str; 3] = [
+    "palm_medium_01",
+    "palm_short_dense_02",
+    "twin_palm_sparse_04",
 ];
 
 fn library(data: &Path, others: &[&str]) -> Library<'static> {
@@ -90,6 +97,7 @@ fn individuals(library: &Library<'_>, name: &str, strength: f64, count: u64) -> 
             individual: IndividualSettings::drawn(strength, seed),
             ..Finish::default()
         };
+        let finish = finish.of_tree(&chosen, library);
         finish.put(&mut tree, None, seed, &cancel).unwrap();
         tree
     });
@@ -191,6 +199,33 @@ fn a_spruce_stays_a_spire() {
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// Share of a tree's pixels that do not hang together with the rest.
+fn loose(tree: &Tree) -> f64 {
+    let parts = labelled_components(&tree.image.map(|pixel| pixel.alpha() >= 48));
+    let last = parts.pixels().iter().copied().max().unwrap();
+    let mut areas = vec![0u32; last as usize + 1];
+    for &part in parts.pixels() {
+        areas[part as usize] += 1;
+    }
+    let (all, largest) = (areas[1..].iter().sum::<u32>(), areas[1..].iter().max());
+    1.0 - f64::from(*largest.unwrap()) / f64::from(all)
+}
+
+#[test]
+fn a_palm_keeps_its_fronds() {
+    let Some(data) = reference::data("billboards") else {
+        return;
+    };
+    let library = library(&data, &PALMS);
+    for name in PALMS {
+        let own = loose(&plain(&library, name));
+        for (seed, tree) in individuals(&library, name, 0.7, 6).iter().enumerate() {
+            let new = loose(tree);
+            assert!(new < own + 0.03, "{name} {seed}: {new:.3}, itself {own:.3}");
+        }
+    }
 }
 
 /// Copies of other scale and colour have a score of 1: at most half of it.

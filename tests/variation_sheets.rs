@@ -146,6 +146,7 @@ impl Studio<'_> {
 
     fn tree(&self, chosen: &Chosen, finish: &Finish, seed: Seed) -> Tree {
         let mut tree = self.maker.make(chosen, &self.cancel).unwrap();
+        let finish = finish.of_tree(chosen, self.maker.library());
         finish.put(&mut tree, None, seed, &self.cancel).unwrap();
         tree
     }

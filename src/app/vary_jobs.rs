@@ -34,7 +34,7 @@ pub(super) enum VaryOutcome {
     /// The exemplars.
     Prepared(Box<Prepared>),
     /// A tree of the gallery, or why there is none.
-    Tile(Cell, Result<Tile, String>),
+    Tile(Cell, Box<Result<Tile, String>>),
     /// All trees were made.
     GalleryIsFull,
     /// The mix that the hand holds; `None` when it cannot be mixed.
@@ -85,7 +85,7 @@ impl Studio {
                 self.vary.prepared = Some(*prepared);
                 self.refresh_variations();
             }
-            VaryOutcome::Tile(cell, tile) => self.vary.put(&cell, tile),
+            VaryOutcome::Tile(cell, tile) => self.vary.put(&cell, *tile),
             VaryOutcome::GalleryIsFull => {}
             VaryOutcome::BatchTree(image) => self.vary.batch_tree = Some(image),
             VaryOutcome::Wrote(told) => self.notify(Severity::Info, told),
@@ -183,7 +183,7 @@ impl Studio {
                     Err(JobError::Cancelled(cancelled)) => return Err(cancelled.into()),
                     tile => tile.map_err(|error| error.to_string()),
                 };
-                context.publish(Outcome::Vary(VaryOutcome::Tile(cell, tile)));
+                context.publish(Outcome::Vary(VaryOutcome::Tile(cell, Box::new(tile))));
                 stage.advance();
             }
             Ok(Outcome::Vary(VaryOutcome::GalleryIsFull))

@@ -64,6 +64,14 @@ impl LeafName {
         known.unwrap_or_default()
     }
 
+    /// The leaves of a tree whose picture has that file name, if it tells.
+    pub(crate) fn of_picture(name: &str) -> Option<Self> {
+        let name = name.to_lowercase();
+        let words: Vec<&str> = name.split(|c: char| !c.is_alphabetic()).collect();
+        let is_in_name = |word: &&(&str, Self)| words.iter().any(|own| own.starts_with(word.0));
+        LEAVES_BY_NAME.iter().find(is_in_name).map(|word| word.1)
+    }
+
     /// The shape of that name.
     pub(crate) fn shape(self) -> LeafShape {
         match self {
@@ -77,6 +85,37 @@ impl LeafName {
         }
     }
 }
+
+/// Words in names of pictures, and the leaves of such trees: of those that there are the likest. The first
+/// that occurs counts. From where a whole crown is seen, combs of short needles look like lobed leaves:
+/// conifers have tufts.
+const LEAVES_BY_NAME: [(&str, LeafName); 24] = [
+    ("broadleaf", LeafName::Ovate),
+    ("pine", LeafName::Tuft),
+    ("pinus", LeafName::Tuft),
+    ("spruce", LeafName::Tuft),
+    ("picea", LeafName::Tuft),
+    ("fir", LeafName::Tuft),
+    ("abies", LeafName::Tuft),
+    ("larch", LeafName::Tuft),
+    ("larix", LeafName::Tuft),
+    ("cedar", LeafName::Tuft),
+    ("conifer", LeafName::Tuft),
+    ("cypress", LeafName::Tuft),
+    ("juniper", LeafName::Tuft),
+    ("thuja", LeafName::Tuft),
+    ("yew", LeafName::Tuft),
+    // As near as it gets to fronds.
+    ("palm", LeafName::Tuft),
+    ("oak", LeafName::Lobed),
+    ("quercus", LeafName::Lobed),
+    ("maple", LeafName::Palmate),
+    ("acer", LeafName::Palmate),
+    ("willow", LeafName::Lance),
+    ("salix", LeafName::Lance),
+    ("linden", LeafName::Round),
+    ("poplar", LeafName::Round),
+];
 
 /// What is made of crowns alone.
 #[derive(Debug, Clone, PartialEq)]

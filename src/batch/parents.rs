@@ -1,7 +1,7 @@
 //! Trees that others are bred from: their records, and what children come from.
 
 use super::failure::Failure;
-use super::records::TreeRecord;
+use super::records::{OUT_OF_RANGE, TreeRecord};
 use crate::base::Seed;
 use crate::pipeline::GalleryTree;
 use crate::variation::{Aspect, Brood, Genome, Library, Part, Shape};
@@ -64,6 +64,9 @@ impl Parent {
         let record = &self.record;
         if !record.weights_are_convex() {
             return Err(Failure::of(&self.name, "the weights are not convex"));
+        }
+        if !record.finish().is_sound() {
+            return Err(Failure::of(&self.name, OUT_OF_RANGE));
         }
         let part = |at: usize| {
             let wanted = &record.exemplars[at];

@@ -7,7 +7,7 @@ use crate::geometry::Point;
 use crate::segment::{Classical, Segmenter, Source};
 use crate::variation::{
     Decided, Distortion, ExemplarSettings, Finish, HslShift, IndividualSettings, Library,
-    SeasonChoice, SeasonSettings,
+    Reshaping, SeasonChoice, SeasonSettings,
 };
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -61,6 +61,9 @@ impl Default for SegmenterRecord {
     }
 }
 
+/// What is said of a record that no command writes.
+pub(super) const OUT_OF_RANGE: &str = "a number of it is out of its range";
+
 /// One tree.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct TreeRecord {
@@ -76,6 +79,12 @@ pub(crate) struct TreeRecord {
     /// The picture whose colours the tree was given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) like: Option<ExemplarRecord>,
+    /// Whether its crown is of fronds about one heart, as that of a palm.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub(crate) has_fronds: bool,
+    /// How its outline was moved.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) reshaping: Option<Reshaping>,
     /// How it was made another individual; its pins are told as they then are.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) individual: Option<IndividualSettings>,
@@ -195,6 +204,8 @@ impl TreeRecord {
             }
         };
         let Finish {
+            has_fronds,
+            reshaping,
             individual,
             shift,
             season,
@@ -214,6 +225,8 @@ impl TreeRecord {
                 .collect(),
             color_weights: chosen.parts.iter().map(|part| part.color_weight).collect(),
             like: like.cloned(),
+            has_fronds,
+            reshaping,
             individual,
             shift,
             season: season.map(SeasonRecord::from),
@@ -243,6 +256,8 @@ impl TreeRecord {
     /// What becomes of the tree once it is mixed.
     pub(crate) fn finish(&self) -> Finish {
         Finish {
+            has_fronds: self.has_fronds,
+            reshaping: self.reshaping,
             individual: self.individual,
             shift: self.shift,
             season: self.season.map(SeasonChoice::from),

@@ -5,6 +5,7 @@
 //! recipe is the tree's: `boscage vary --recipe` makes both again.
 
 use super::crown::{is_whole, write_crown};
+use super::export_crown::LeafName;
 use super::failure::Failure;
 use super::output::recipe;
 use super::records::{TreeCrownRecord, TreeRecord};
@@ -15,7 +16,7 @@ use crate::export::{bled, crown_file_names};
 use crate::pipeline::{CrownError, CrownSettings, crown};
 use crate::raster::{Image, Mask, Straight, closed_and_filled, dilated, eroded, opaque_bounds};
 use crate::segment::Label;
-use crate::variation::{Tree, stands_straight};
+use crate::variation::{Tree, is_evergreen, stands_straight};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -55,7 +56,7 @@ impl<'a> TreeCrown<'a> {
     /// The crown of `record`, whose picture has the digest `of_tree`, below `out`; none if it has none.
     pub(super) fn of(record: &'a TreeRecord, of_tree: Digest, out: &Path) -> Option<Self> {
         let own = record.crown.as_ref()?;
-        let digest = recipe("tree crown 2")
+        let digest = recipe("tree crown 3")
             .with(of_tree.bytes())
             .with(&own.size.to_le_bytes())
             .finish();
@@ -90,7 +91,7 @@ impl<'a> TreeCrown<'a> {
         let Some(mut settings) = settings_of(tree, &mask, self.size) else {
             return Err(of_crown(&"no pixel of it is foliage"));
         };
-        if is_palm(self.record) {
+        if self.record.has_fronds {
             settings = tuft(settings);
         }
         let seed = Seed(self.record.seed).derive("crown", 0);
@@ -110,7 +111,10 @@ impl<'a> TreeCrown<'a> {
             crown: None,
             ..self.record.clone()
         };
-        let recipe = json!({"tree": record, "seed": seed.0, "settings": settings});
+        let mut recipe = json!({"tree": record, "seed": seed.0, "settings": settings});
+        if let Some(leaf) = leaf_of(self.record, tree, session)? {
+            recipe["leaf"] = json!(leaf);
+        }
         write_crown(
             &crown,
             (recipe, self.digest),
@@ -129,18 +133,21 @@ const GAP: f64 = 0.012;
 /// How light the inside of a crown is that one sees between its leaves.
 const INSIDE: f32 = 0.45;
 
-/// Whether most of a tree's outline is that of a palm, by the names of its pictures.
-fn is_palm(record: &TreeRecord) -> bool {
+/// The leaves of a tree: what the name of the picture tells that gave most of its outline, or needles where
+/// it looks like a conifer.
+fn leaf_of(
+    record: &TreeRecord,
+    tree: &Tree,
+    session: &Run<'_>,
+) -> Result<Option<LeafName>, Failure> {
     let weighed = record.exemplars.iter().zip(&record.contour_weights);
     let most = weighed.max_by(|a, b| a.1.total_cmp(b.1));
-    let name = most.map(|(exemplar, _)| Path::new(&exemplar.file).file_stem());
-    let name = name
-        .flatten()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .to_lowercase();
-    let mut words = name.split(|c: char| !c.is_alphabetic());
-    words.any(|word| word.starts_with("palm"))
+    let name = most.and_then(|(exemplar, _)| Path::new(&exemplar.file).file_name());
+    let named = name.and_then(|name| LeafName::of_picture(&name.to_string_lossy()));
+    if named.is_some() {
+        return Ok(named);
+    }
+    Ok(is_evergreen(tree, session.cancel)?.then_some(LeafName::Tuft))
 }
 
 /// A palm's crown: its fronds go out to all sides, so its outline stands there in several directions, each

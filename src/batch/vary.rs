@@ -5,7 +5,7 @@ use super::items;
 use super::library::opened;
 use super::output::recipe;
 use super::parents::Parents;
-use super::records::{ExemplarRecord, LibraryRecord, TreeCrownRecord, TreeRecord};
+use super::records::{ExemplarRecord, LibraryRecord, OUT_OF_RANGE, TreeCrownRecord, TreeRecord};
 use super::run::Run;
 use super::tree_crown::{TreeCrown, crown_files_of};
 use crate::base::{Digest, Hasher, Seed};
@@ -375,8 +375,11 @@ pub(crate) fn make_tree(
     if has_pictures && crown.is_none() {
         return Ok(());
     }
-    let mut tree = maker.make(chosen, session.cancel)?;
     let finish = record.finish();
+    if !finish.is_sound() {
+        return Err(Failure::of(record.name(), OUT_OF_RANGE));
+    }
+    let mut tree = maker.make(chosen, session.cancel)?;
     finish.put(&mut tree, like, Seed(record.seed), session.cancel)?;
     if let Some(shown) = session.shown {
         shown(&tree.image);

@@ -181,26 +181,8 @@ impl Favourite {
         let contour: Vec<f64> = self.exemplars.iter().map(|part| part.weight).collect();
         let has_colors = self.color_weights.is_empty()
             || (self.color_weights.len() == self.exemplars.len() && sum(&self.color_weights) > 0.0);
-        sum(&contour) > 0.0 && has_colors && finish_is_sound(&self.finish)
+        sum(&contour) > 0.0 && has_colors && self.finish.is_sound()
     }
-}
-
-/// Whether all numbers are in their ranges.
-fn finish_is_sound(finish: &Finish) -> bool {
-    let is_share = |value: f64| (0.0..=1.0).contains(&value);
-    let strength = finish.individual.map_or(0.0, |own| own.strength);
-    let shift_is_sound = finish.shift.is_none_or(|shift| {
-        let factors = [shift.saturation, shift.lightness];
-        shift.hue.abs() <= 1.0 && factors.iter().all(|factor| (0.0..=4.0).contains(factor))
-    });
-    is_share(strength) && shift_is_sound && season_is_sound(finish.season.as_ref())
-}
-
-fn season_is_sound(season: Option<&SeasonChoice>) -> bool {
-    season.is_none_or(|season| {
-        let numbers = [season.settings.amount, season.settings.snow];
-        numbers.iter().all(|value| (0.0..=1.0).contains(value))
-    })
 }
 
 /// How variations are made.
@@ -286,7 +268,7 @@ impl VariationSettings {
                 "a favourite's weights are none",
             ),
             (
-                season_is_sound(self.season.as_ref()),
+                self.season.is_none_or(|season| season.is_sound()),
                 "a season's extent is not in 0…1",
             ),
             (

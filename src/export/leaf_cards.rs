@@ -29,7 +29,7 @@ use crate::branches::sprite::LeafShape;
 use crate::branches::twigs::{TwigTexel, twigs};
 use crate::crown::leaf_points;
 use crate::raster::{CubeFace, Cubemap, Image, Straight, smoothed_cubemap};
-use crate::render::{linear, srgb_byte};
+use crate::render::{leaf_area, linear, srgb_byte};
 use crate::scene::Crown;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -89,6 +89,8 @@ pub(super) struct LeafCards {
     leaves: Vec<Leaf>,
     center: DVec3,
     mean_radius: f64,
+    /// Factor on the sides of cards: sparse crowns have smaller ones, with sky between them.
+    smaller: f64,
     /// Outline of each twig, in halves of its card's side.
     outlines: Vec<[DVec2; 8]>,
     /// Twigs in a row, shades below one another; colour bled under clear texels.
@@ -127,6 +129,7 @@ impl LeafCards {
             leaves,
             center: crown.center_m,
             mean_radius,
+            smaller: f64::from(leaf_area(crown.cover)).sqrt(),
             outlines: twigs.iter().map(|twig| octagon(&shows(twig))).collect(),
             picture: picture(&twigs, &palette),
         }
@@ -135,7 +138,7 @@ impl LeafCards {
     /// The first `count` leaves as pairs of crossed cards.
     pub(super) fn cards(&self, count: usize, stand: &Stand) -> ModelMesh {
         let count = count.min(self.leaves.len());
-        let side = CARD_SIZE * self.mean_radius / (count.max(1) as f64).sqrt();
+        let side = CARD_SIZE * self.smaller * self.mean_radius / (count.max(1) as f64).sqrt();
         let mut mesh = ModelMesh::default();
         for leaf in &self.leaves[..count] {
             let half = side * leaf.size;

@@ -133,9 +133,7 @@ impl Pool {
             GalleryTree::Drawn(seed) => self.drawn(Seed(*seed), &shapes, wishes)?,
         };
         let finish = &mut decided.genome.finish;
-        finish.season = finish
-            .season
-            .map(|season| season.of_tree(&decided.chosen, library));
+        *finish = finish.of_tree(&decided.chosen, library);
         Ok(decided)
     }
 
@@ -157,8 +155,8 @@ impl Pool {
             like: wishes.like,
             finish: Finish {
                 individual: IndividualSettings::drawn(strength, seed),
-                shift: None,
                 season: wishes.season,
+                ..Finish::default()
             },
             seed,
         };

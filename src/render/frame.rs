@@ -258,7 +258,7 @@ const LAYERS: f32 = 3.0;
 
 /// The area of leaves that cover so much of a crown, as a share of that in a closed one: by the law of Beer
 /// and Lambert, ln(1 − cover) / −[`LAYERS`].
-fn leaf_area(cover: f32) -> f32 {
+pub(crate) fn leaf_area(cover: f32) -> f32 {
     let closed = ((cover - OPEN[0]) / (OPEN[1] - OPEN[0])).clamp(0.0, 1.0);
     let open = (-libm::logf(1.0 - cover.clamp(0.1, 0.9)) / LAYERS).min(1.0);
     open + closed * (1.0 - open)

@@ -26,6 +26,7 @@ mod surface;
 
 pub(crate) use color::{linear, srgb_byte};
 pub use error::RenderError;
+pub(crate) use frame::leaf_area;
 pub use frame::{CrownNumbers, Frame, InstanceNumbers, SceneView};
 pub use gpu::{Gpu, GpuRenderer, Shown, Viewport};
 pub use leaf_atlas::LeafAtlas;

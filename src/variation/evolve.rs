@@ -15,7 +15,8 @@
 
 use super::choice::{ChoiceError, Chosen, FINE, Part};
 use super::compatibility::{NEIGHBOURS, Traits, are_of_a_kind, seen_from};
-use super::finish::{Finish, IndividualSettings, SeasonChoice};
+use super::finish::{Finish, Reshaping, SeasonChoice};
+use super::individual::IndividualSettings;
 use super::{HslShift, Shape};
 use crate::base::{Random, Seed};
 use serde::{Deserialize, Serialize};
@@ -45,6 +46,10 @@ const TURNS: f64 = 0.2;
 /// much they may have moved after many generations.
 const HUE_STEP: f64 = 0.6;
 const MOST_MOVED: f64 = 1.5;
+
+/// How often an outline is moved anew, and the range of how much.
+const RENEWED: f64 = 0.4;
+const RESHAPED: (f64, f64) = (0.35, 0.8);
 
 /// How far the strength of an individual and the extent of a season move.
 const AMOUNT_STEP: f64 = 0.15;
@@ -204,6 +209,9 @@ impl Brood {
             parts: self.parts(shapes, &contour, giver, random),
             like: giver.like,
             finish: Finish {
+                // Told by the names of the exemplars that it turns out to have.
+                has_fronds: false,
+                reshaping: self.reshaping([mother, father], seed),
                 individual: self.individual([mother, father], random),
                 shift: self.shift([mother, father], random),
                 season: self.season([mother, father], random),
@@ -283,6 +291,27 @@ impl Brood {
         let mut parts: Vec<Part> = exemplars.into_iter().map(part).collect();
         parts.sort_by(|a, b| b.contour_weight.total_cmp(&a.contour_weight));
         parts
+    }
+
+    /// How the outline is moved beside being mixed: as one parent's, or otherwise.
+    fn reshaping(&self, [mother, father]: [&Genome; 2], seed: Seed) -> Option<Reshaping> {
+        let mut random = seed.derive("reshaping", 0).random();
+        let [side, renewed, fresh] = [0; 3].map(|_| random.unit());
+        let step = random.between(-AMOUNT_STEP, AMOUNT_STEP);
+        if self.is_locked(Aspect::Contour) {
+            return mother.finish.reshaping;
+        }
+        let parent = if side < 0.5 { mother } else { father };
+        let own = parent.finish.reshaping.filter(|_| renewed >= RENEWED);
+        let drawn = Reshaping {
+            strength: RESHAPED.0 + fresh * (RESHAPED.1 - RESHAPED.0),
+            seed: random.bits(),
+        };
+        let inherited = own.map(|own| Reshaping {
+            strength: (own.strength + step).clamp(0.0, 1.0),
+            ..own
+        });
+        Some(inherited.unwrap_or(drawn))
     }
 
     fn individual(

@@ -3,35 +3,12 @@
 //! One description for batches, records and the studio, so that a tree is the same wherever it is made.
 
 use super::{
-    Chosen, Histogram, HslShift, Library, SeasonSettings, Tree, is_evergreen, make_individual,
-    mirrored, named_evergreen, put_in_season,
+    Chosen, Histogram, HslShift, IndividualSettings, Library, SeasonSettings, Tree, has_fronds,
+    is_evergreen, make_individual, named_evergreen, put_in_season, reshape,
 };
 use crate::base::{Cancel, Cancelled, Seed};
 use crate::segment::Label;
 use serde::{Deserialize, Serialize};
-
-/// How a tree is made another individual.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct IndividualSettings {
-    /// 0 to 1, see [`make_individual`].
-    pub strength: f64,
-    /// Whether it stands mirrored.
-    pub mirrored: bool,
-}
-
-impl IndividualSettings {
-    /// Least strength at which trees are mirrored.
-    const LEAST_MIRRORED: f64 = 0.25;
-
-    /// What becomes of the variation of a target with this seed; nothing without strength.
-    pub fn drawn(strength: f64, seed: Seed) -> Option<Self> {
-        let side = seed.derive("mirror", 0).random().unit();
-        (strength > 0.0).then_some(Self {
-            strength,
-            mirrored: strength >= Self::LEAST_MIRRORED && side < 0.5,
-        })
-    }
-}
 
 /// The season that a tree is put into.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -43,6 +20,12 @@ pub struct SeasonChoice {
 }
 
 impl SeasonChoice {
+    /// Whether all numbers are in their ranges.
+    pub fn is_sound(&self) -> bool {
+        let numbers = [self.settings.amount, self.settings.snow];
+        numbers.iter().all(|value| (0.0..=1.0).contains(value))
+    }
+
     /// The choice for the picture `name`: where nothing was told, its name decides if it can.
     #[must_use]
     pub fn of_picture(self, name: &str) -> Self {
@@ -63,9 +46,24 @@ impl SeasonChoice {
     }
 }
 
+/// How the outline of a crown is moved, its stem left as it is.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Reshaping {
+    /// 0 (as it is) to 1: limbs, lobes and bays move by about an eighth of the crown.
+    pub strength: f64,
+    /// Where the moves are drawn from.
+    pub seed: u64,
+}
+
 /// All that becomes of a tree. By default nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Finish {
+    /// Whether its crown is of fronds about one heart, as that of a palm.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub has_fronds: bool,
+    /// How its outline is moved.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reshaping: Option<Reshaping>,
     /// How it is made another individual.
     pub individual: Option<IndividualSettings>,
     /// How its colours are moved, those of the trunk left out.
@@ -75,6 +73,34 @@ pub struct Finish {
 }
 
 impl Finish {
+    /// All that for the tree `chosen`: what the names of its pictures tell is known.
+    #[must_use]
+    pub fn of_tree(self, chosen: &Chosen, library: &Library<'_>) -> Self {
+        let heavier = chosen.parts.iter().rev();
+        let giver = heavier.max_by(|a, b| a.contour_weight.total_cmp(&b.contour_weight));
+        let name = giver.map(|part| library.entries()[part.exemplar].file_name());
+        Self {
+            has_fronds: name.is_some_and(|name| has_fronds(&name)),
+            season: self.season.map(|season| season.of_tree(chosen, library)),
+            ..self
+        }
+    }
+
+    /// Whether all numbers are in their ranges.
+    pub fn is_sound(&self) -> bool {
+        let strengths = [
+            self.reshaping.map_or(0.0, |own| own.strength),
+            self.individual.map_or(0.0, |own| own.strength),
+        ];
+        let shift_is_sound = self.shift.is_none_or(|shift| {
+            let factors = [shift.saturation, shift.lightness];
+            shift.hue.abs() <= 1.0 && factors.iter().all(|factor| (0.0..=4.0).contains(factor))
+        });
+        strengths.iter().all(|value| (0.0..=1.0).contains(value))
+            && shift_is_sound
+            && self.season.is_none_or(|season| season.is_sound())
+    }
+
     /// Does all that to `tree`. What is random in it comes from `seed`; `like` gives the colours of
     /// a season's leaves.
     ///
@@ -87,11 +113,11 @@ impl Finish {
         seed: Seed,
         cancel: &Cancel,
     ) -> Result<(), Cancelled> {
+        if let Some(reshaping) = &self.reshaping {
+            reshape(tree, reshaping, self.has_fronds, cancel)?;
+        }
         if let Some(individual) = &self.individual {
-            if individual.mirrored {
-                *tree = mirrored(tree);
-            }
-            make_individual(tree, individual.strength, seed, cancel)?;
+            make_individual(tree, individual, self.has_fronds, seed, cancel)?;
         }
         if let Some(shift) = &self.shift {
             let pixels = tree.image.pixels_mut().iter_mut();

@@ -13,6 +13,10 @@ use super::Tree;
 /// which it is not. Of the 39 real trees conifers have 0.09 to 0.32, round crowns 0.39 and more.
 const POINTED: [f64; 2] = [0.32, 0.38];
 
+/// Height by width of a crown below which one is no spire, though a twig stands out of its top, and from which
+/// it may be. Real conifers have 1.07 and more.
+const UPRIGHT: [f64; 2] = [0.92, 1.04];
+
 /// Height by width of a crown from which it begins to be a column, and is one.
 const SLENDER: [f64; 2] = [2.6, 3.4];
 
@@ -51,8 +55,9 @@ impl Habit {
         let widest = 2.0 * half.iter().copied().fold(0.5, f64::max);
         let quarter = &widths[..widths.len().div_ceil(4)];
         let upper = quarter.iter().sum::<f64>() / quarter.len() as f64 / widest;
-        let pointed = 1.0 - ramp(upper, POINTED);
-        let slender = ramp(widths.len() as f64 / widest, SLENDER);
+        let aspect = widths.len() as f64 / widest;
+        let pointed = ramp(aspect, UPRIGHT) * (1.0 - ramp(upper, POINTED));
+        let slender = ramp(aspect, SLENDER);
         let top = f64::from(bounds.y);
         let (apex, foot) = (apex(&rows)?, foot(tree, top, &rows));
         let below = (foot[1] - top).max(1.0);

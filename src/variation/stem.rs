@@ -4,8 +4,7 @@
 //! it may be turned upside down, mirrored and moved along the stem; the stem's own silhouette and light at
 //! foot and crown stay, where both fade into each other.
 //!
-//! Limits: rows of the stem are taken one by one, so a stem that forks below the crown keeps its bark in
-//! the fork's gap only by chance.
+//! Limits: a stem that forks below the crown keeps its bark.
 
 use super::Tree;
 use super::sway::between_pixels;
@@ -16,6 +15,9 @@ use crate::segment::{Label, crown_baseline};
 /// Shortest stem that is worth it, and the stretch at both ends over which bark fades, in cell sizes.
 const SHORTEST: f64 = 0.8;
 const FADE: f64 = 0.35;
+
+/// Least part of the width of a stem that is bark, percent: a stem that forks has less.
+const WHOLE: usize = 80;
 
 /// Rows over which the stem's middle and width are smoothed, in cell sizes.
 const SMOOTHED: f64 = 0.25;
@@ -71,17 +73,23 @@ struct Rows {
 }
 
 impl Rows {
-    /// Those of `tree`; `None` when hardly any stem is bare.
+    /// Those of `tree`; `None` when hardly any stem is bare, or it forks there: what one arm takes from the
+    /// other's height may be the gap between them.
     fn of(tree: &Tree, side: f64) -> Option<Self> {
         let first = crown_baseline(&tree.labels)?;
+        let mut is_one = true;
         let of_row = |y: u32| {
             let row = tree.labels.row(y);
             let left = row.iter().position(|label| *label == Label::Trunk)?;
             let right = row.iter().rposition(|label| *label == Label::Trunk)?;
+            let bark = row[left..=right]
+                .iter()
+                .filter(|label| **label == Label::Trunk);
+            is_one &= bark.count() >= WHOLE * (right - left + 1) / 100;
             Some([0.5 * (left + right) as f64, 0.5 * (right - left + 1) as f64])
         };
         let rows: Vec<[f64; 2]> = (first..tree.image.height()).map_while(of_row).collect();
-        if (rows.len() as f64) < SHORTEST * side {
+        if (rows.len() as f64) < SHORTEST * side || !is_one {
             return None;
         }
         let reach = (SMOOTHED * side) as usize;

@@ -59,6 +59,9 @@ const BEND: f64 = 0.6;
 const WINDS: [[f64; 2]; 2] = [[1.4, 0.12], [0.6, 0.05]];
 const BARK: f64 = 0.16;
 
+/// How much less the stem of a palm winds, which has no boughs to bend it.
+const PALM_WINDS: f64 = 0.3;
+
 /// How far the crown's lower end may move up or down, in cell sizes, and as shares of the stem below and
 /// of the crown above it.
 const LIFT: f64 = 1.4;
@@ -74,16 +77,43 @@ const NODES: f64 = 6.0;
 /// Gaps up to twice this wide, in cell sizes, belong to the inside although the sky reaches into them.
 const CLOSED: f64 = 0.16;
 
-/// `tree`, which has that habit and is to have those boughs, with its crown moved; `side` is the size of a
-/// cell, pixels.
+/// `tree`, which has that habit and is to have those boughs, with its crown moved; without boughs the crown
+/// only goes with its stem. `side` is the size of a cell, pixels.
 ///
 /// # Errors
 /// [`Cancelled`].
 pub(super) fn swayed(
     tree: &Tree,
-    (habit, boughs): (&Habit, &Boughs),
+    stance: (&Habit, Option<&Boughs>),
     side: f64,
     strength: f64,
+    random: &mut Random,
+    cancel: &Cancel,
+) -> Result<Tree, Cancelled> {
+    moved(tree, stance, side, [strength; 2], random, cancel)
+}
+
+/// The same with its stem where it was.
+///
+/// # Errors
+/// [`Cancelled`].
+pub(super) fn reshaped(
+    tree: &Tree,
+    stance: (&Habit, Option<&Boughs>),
+    side: f64,
+    strength: f64,
+    random: &mut Random,
+    cancel: &Cancel,
+) -> Result<Tree, Cancelled> {
+    moved(tree, stance, side, [strength, 0.0], random, cancel)
+}
+
+/// `tree` with its crown and its stem moved, each as much as it is told.
+fn moved(
+    tree: &Tree,
+    (habit, boughs): (&Habit, Option<&Boughs>),
+    side: f64,
+    [strength, of_stem]: [f64; 2],
     random: &mut Random,
     cancel: &Cancel,
 ) -> Result<Tree, Cancelled> {
@@ -91,7 +121,10 @@ pub(super) fn swayed(
     let moves = Moves {
         sway: [0; 2].map(|_| Waves::new(SWAY, random)),
         swell: Waves::new(SWELL, random),
-        stem: Stem::new(tree, habit, side, strength, random),
+        stem: Stem {
+            wind: if boughs.is_some() { 1.0 } else { PALM_WINDS },
+            ..Stem::new(tree, habit, side, of_stem, random)
+        },
         boughs,
         rounded: Rounded::of(image, side, cancel)?,
         habit,
@@ -120,7 +153,7 @@ struct Moves<'a> {
     sway: [Waves; 2],
     swell: Waves,
     stem: Stem,
-    boughs: &'a Boughs,
+    boughs: Option<&'a Boughs>,
     rounded: Rounded,
     habit: &'a Habit,
     /// Of the picture, pixels.
@@ -138,7 +171,7 @@ impl Moves<'_> {
         let [leant, lifted] = stem.at(y);
         let free = ((stem.low - y) / (2.0 * side)).clamp(0.0, 1.0) * self.strength * side;
         let (mut dx, mut dy) = (leant, lifted);
-        if free > 0.0 {
+        if let Some(boughs) = self.boughs.filter(|_| free > 0.0) {
             let place = [x / side, y / side];
             let inwards = self.rounded.inwards(x, y);
             let straight = habit.straight();
@@ -147,7 +180,7 @@ impl Moves<'_> {
             let sway = room * (1.0 - STRAIGHT_SWAY * straight);
             let [across, down] =
                 [0, 1].map(|axis| sway * self.sway[axis].at(place) + swell * inwards[axis]);
-            let [outwards, level] = self.boughs.at(habit, x, y, *side);
+            let [outwards, level] = boughs.at(habit, x, y, *side);
             dx += free * (across + straight * outwards);
             dy += free * (down + straight * level);
         }
@@ -220,6 +253,8 @@ struct Stem {
     bend: f64,
     lift: f64,
     winds: Waves,
+    /// How much of that.
+    wind: f64,
     bark: f64,
     side: f64,
     strength: f64,
@@ -245,6 +280,7 @@ impl Stem {
             bend: BEND * aside * strength * bend,
             lift: (LIFT * side).min(most.max(0.0)) * strength * lift,
             winds: Waves::new(WINDS, random),
+            wind: 1.0,
             bark: BARK * (foot - low).max(0.0) * strength * bark,
             side,
             strength,
@@ -267,6 +303,7 @@ impl Stem {
         // A short stem has no room to wind.
         let room = ((self.foot - self.low) / (3.0 * self.side)).min(1.0);
         let winds = self.winds.at([0.0, y / self.side]) * self.side * self.strength * room;
+        let winds = self.wind * winds;
         [
             aside + winds * between,
             self.lift * share + self.bark * between * between,

@@ -37,12 +37,17 @@ fn parents() -> Vec<Genome> {
         parts: vec![part(0, 0.6, 1.0), part(1, 0.4, 0.0)],
         like: None,
         finish: Finish {
+            reshaping: Some(Reshaping {
+                strength: 0.5,
+                seed: 7,
+            }),
             individual: Some(IndividualSettings {
                 strength: 0.4,
                 mirrored: true,
             }),
             shift: Some(shift(-0.02)),
             season: Some(autumn(0.3)),
+            ..Finish::default()
         },
         seed: Seed(11),
     };
@@ -50,9 +55,8 @@ fn parents() -> Vec<Genome> {
         parts: vec![part(2, 0.7, 0.0), part(3, 0.3, 1.0)],
         like: Some(4),
         finish: Finish {
-            individual: None,
             shift: Some(shift(0.03)),
-            season: None,
+            ..Finish::default()
         },
         seed: Seed(22),
     };
@@ -115,7 +119,9 @@ fn each_lock_keeps_its_aspect_as_a_parent_has_it() {
     let parents = parents();
     type Part = fn(&Genome) -> String;
     let aspects: [(Aspect, Part); 5] = [
-        (Aspect::Contour, |g| format!("{:?}", contour_of(g))),
+        (Aspect::Contour, |g| {
+            format!("{:?} {:?}", contour_of(g), g.finish.reshaping)
+        }),
         (Aspect::Hue, |g| format!("{:?}", g.finish.shift)),
         (Aspect::Foliage, |g| {
             format!("{:?} {:?}", g.finish.individual, g.seed)

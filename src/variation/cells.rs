@@ -1,0 +1,372 @@
+//! A crown cut into cells, each of which takes what another place of the crown shows.
+//!
+//! Of many tries that place is taken that fits best what is around. Between cells the leaf that is lighter,
+//! in front, wins, so that seams run along leaves; after V. Kwatra et al., *Graphcut Textures* (2003), with
+//! that rule in the place of the cut, which costs no solver and keeps alpha. Gaps move with their cells.
+
+use super::Tree;
+use super::habit::Habit;
+use super::noise::Noise;
+use crate::base::{Cancel, Cancelled, Random, Seed};
+use crate::raster::{Image, Rect, Straight};
+use crate::segment::{Label, Labels};
+use rayon::prelude::*;
+
+/// Cells across a square as large as the crown.
+const CELLS_ACROSS: f64 = 8.0;
+
+/// Places that are tried for a cell.
+const TRIES: usize = 140;
+
+/// The same in what stands straight, whose places are all alike: with more, all individuals would find the
+/// same one.
+const TRIES_STRAIGHT: usize = 30;
+
+/// Samples around and in a cell that places are compared by.
+const SAMPLES: usize = 56;
+
+/// How far up or down a cell's foliage may come from, as a share of the crown's height: light and size
+/// of leaves change with height.
+const REACH: f64 = 0.3;
+
+/// How far, in cell sizes, a fully light leaf reaches over its cell's border.
+const OVERLAP: f32 = 0.34;
+
+/// In what stands straight a cell's foliage comes from about as far out on a bough, up to this share of the
+/// boughs' length: it must hang as boughs do there.
+const ALONG_BOUGH: f64 = 0.5;
+
+/// Tips whose half width is less than this many cell sizes stay as they are.
+const TIP: f64 = 0.6;
+
+/// How ragged the borders of cells are and how fine, in cell sizes: as leaves are.
+const RAGGED: f32 = 0.3;
+const RAG: f64 = 0.09;
+
+/// The foliage of `tree` with every cell from where it fits best, `strength` saying how many change. The
+/// trees are the one as it is to be, swayed, and the one as it was.
+///
+/// # Errors
+/// [`Cancelled`].
+pub(super) fn regrown(
+    (swayed, tree, habit): (&Tree, &Tree, &Habit),
+    grid: &Grid,
+    strength: f64,
+    seed: Seed,
+    cancel: &Cancel,
+) -> Result<Tree, Cancelled> {
+    let both = Both {
+        swayed,
+        tree,
+        habit,
+    };
+    let patches = (0..grid.cells.len()).into_par_iter().map(|cell| {
+        cancel.check()?;
+        let mut random = seed.derive("cell", cell as u64).random();
+        Ok(Patch::found(both, grid, cell, strength, &mut random))
+    });
+    let patches: Vec<Patch> = patches.collect::<Result<_, Cancelled>>()?;
+    let (image, labels) = composed(both, grid, &patches);
+    Ok(Tree { image, labels })
+}
+
+/// The size of a cell, pixels, in a crown of so many.
+pub(super) fn cell_side(crown_pixels: usize) -> f64 {
+    ((crown_pixels as f64).sqrt() / CELLS_ACROSS).max(4.0)
+}
+
+/// The cells of a crown: one point in each square of a grid; a pixel belongs to the nearest.
+pub(super) struct Grid {
+    /// Of the crown.
+    bounds: Rect,
+    left: f64,
+    top: f64,
+    /// Of a cell, pixels.
+    pub(super) side: f64,
+    columns: usize,
+    rows: usize,
+    cells: Vec<[f64; 2]>,
+}
+
+impl Grid {
+    /// That of a crown in `bounds`, of so many pixels.
+    pub(super) fn new(bounds: Rect, crown_pixels: usize, random: &mut Random) -> Self {
+        let side = cell_side(crown_pixels);
+        // A ring of squares outside: leaves may come to stand there.
+        let (left, top) = (f64::from(bounds.x) - side, f64::from(bounds.y) - side);
+        let count = |pixels: u32| (f64::from(pixels) / side).ceil() as usize + 2;
+        let (columns, rows) = (count(bounds.width), count(bounds.height));
+        let cells = (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row)));
+        let cells = cells.map(|(column, row)| {
+            let mut within = || random.between(0.15, 0.85);
+            [
+                left + (column as f64 + within()) * side,
+                top + (row as f64 + within()) * side,
+            ]
+        });
+        Self {
+            bounds,
+            left,
+            top,
+            side,
+            columns,
+            rows,
+            cells: cells.collect(),
+        }
+    }
+
+    /// The cells whose square lies within one of that of (x, y).
+    fn near(&self, x: f64, y: f64) -> impl Iterator<Item = usize> + '_ {
+        let at = |value: f64, low: f64, count: usize| {
+            (((value - low) / self.side).floor().max(0.0) as usize).min(count - 1)
+        };
+        let (column, row) = (at(x, self.left, self.columns), at(y, self.top, self.rows));
+        let rows = row.saturating_sub(1)..(row + 2).min(self.rows);
+        rows.flat_map(move |row| {
+            let columns = column.saturating_sub(1)..(column + 2).min(self.columns);
+            columns.map(move |column| row * self.columns + column)
+        })
+    }
+}
+
+/// The tree as it is to be, swayed, and as it was, whose leaves are not drawn out: patches come from there.
+#[derive(Clone, Copy)]
+struct Both<'a> {
+    swayed: &'a Tree,
+    tree: &'a Tree,
+    habit: &'a Habit,
+}
+
+/// Where a cell takes its foliage from.
+#[derive(Clone, Copy)]
+struct Patch {
+    to: [f64; 2],
+    from: [f64; 2],
+    /// Whether the cell stays as it is in the swayed tree.
+    is_own: bool,
+    is_mirrored: bool,
+    /// Added to each channel, so that light and shade of the crown stay.
+    lift: f32,
+}
+
+impl Patch {
+    /// A cell that stays as it is.
+    fn own(at: [f64; 2]) -> Self {
+        Self {
+            to: at,
+            from: at,
+            is_own: true,
+            is_mirrored: false,
+            lift: 0.0,
+        }
+    }
+
+    /// The best of many places for the cell, or its own.
+    fn found(both: Both<'_>, grid: &Grid, cell: usize, strength: f64, random: &mut Random) -> Self {
+        let (own, bounds) = (Self::own(grid.cells[cell]), grid.bounds);
+        // All draws are made whatever the strength, so that more strength only adds changes.
+        let habit = both.habit;
+        let is_straight = habit.is_straight();
+        let is_tip = is_straight && habit.half(own.to[1]) < TIP * grid.side;
+        if random.unit() >= share_changed(strength) || is_tip {
+            return own;
+        }
+        let ring: Vec<[f64; 2]> = (0..SAMPLES)
+            .map(|i| {
+                let turn = std::f64::consts::TAU * i as f64 * 0.381_966;
+                let radius = grid.side * if i % 4 == 0 { 0.3 } else { 0.7 };
+                [radius * libm::cos(turn), radius * libm::sin(turn)]
+            })
+            .collect();
+        let mut best: Option<(f64, Self)> = None;
+        let tries = if is_straight { TRIES_STRAIGHT } else { TRIES };
+        for _ in 0..tries {
+            let [across, down, side] = [0; 3].map(|_| random.unit());
+            let y = own.to[1] + REACH * (2.0 * down - 1.0) * f64::from(bounds.height);
+            let (x, is_mirrored) = if is_straight {
+                along_bough(habit, own.to, y, across, side)
+            } else {
+                let x = f64::from(bounds.x) + across * f64::from(bounds.width);
+                (x, side < 0.5)
+            };
+            let from = [x, y];
+            let apart = (from[0] - own.to[0]).hypot(from[1] - own.to[1]);
+            if apart < 1.1 * grid.side {
+                continue;
+            }
+            let patch = Self {
+                from,
+                is_own: false,
+                is_mirrored,
+                ..own
+            };
+            if let Some((cost, lift)) = patch.cost(both, &ring)
+                && best.is_none_or(|(least, _)| cost < least)
+            {
+                best = Some((cost, Self { lift, ..patch }));
+            }
+        }
+        best.map_or(own, |(_, patch)| patch)
+    }
+
+    /// The place that pixel (x, y) of the new picture comes from.
+    fn source(&self, x: f64, y: f64) -> (i64, i64) {
+        let dx = x - self.to[0];
+        let dx = if self.is_mirrored { -dx } else { dx };
+        let round = |value: f64| (value + 0.5).floor() as i64;
+        (
+            round(self.from[0] + dx),
+            round(self.from[1] + y - self.to[1]),
+        )
+    }
+
+    /// How badly the patch fits, and the lift that makes its light that of its place; `None` where
+    /// either shows trunk.
+    fn cost(&self, Both { swayed, tree, .. }: Both<'_>, ring: &[[f64; 2]]) -> Option<(f64, f32)> {
+        let (mut own_light, mut other_light, mut lit) = (0.0f64, 0.0, 0.0f64);
+        let (mut alpha, mut color) = (0.0, 0.0);
+        for offset in ring {
+            let (x, y) = (self.to[0] + offset[0], self.to[1] + offset[1]);
+            let (u, v) = self.source(x, y);
+            let (x, y) = ((x + 0.5).floor() as i64, (y + 0.5).floor() as i64);
+            let is_trunk = |of: &Tree, x, y| of.labels.get(x, y) == Some(Label::Trunk);
+            if is_trunk(swayed, x, y) || is_trunk(tree, u, v) {
+                return None;
+            }
+            let at = |of: &Tree, x, y| of.image.get(x, y).unwrap_or(Straight([0; 4]));
+            let (own, other) = (at(swayed, x, y), at(tree, u, v));
+            let (a, b) = (f64::from(own.alpha()), f64::from(other.alpha()));
+            alpha += (a - b).abs() / 255.0;
+            if a.min(b) > 128.0 {
+                lit += 1.0;
+                own_light += f64::from(light(own));
+                other_light += f64::from(light(other));
+                let difference = |c: usize| f64::from(own.0[c].abs_diff(other.0[c]));
+                color += (difference(0) + difference(1) + difference(2)) / 765.0;
+            }
+        }
+        let count = ring.len() as f64;
+        let lift = if lit > 0.0 {
+            (own_light - other_light) / lit
+        } else {
+            0.0
+        };
+        let cost = 1.2 * alpha / count + color / lit.max(1.0) + 1.5 * lift.abs() / 255.0;
+        Some((cost, (0.7 * lift) as f32))
+    }
+}
+
+/// Where, at height `y`, boughs are about as far out as at `to`, and whether foliage from there is to be
+/// mirrored: on the other side it is, next to the stem it may be. `share` and `side` are draws from 0 to 1.
+fn along_bough(habit: &Habit, to: [f64; 2], y: f64, share: f64, side: f64) -> (f64, bool) {
+    /// Share of a bough next to the stem.
+    const INNER: f64 = 0.4;
+    let out = (to[0] - habit.axis(to[1])) / habit.half(to[1]).max(1.0);
+    let is_other = side < 0.5;
+    let is_turned = out.abs() < INNER && (2.0 * side).fract() < 0.5;
+    let out = out + ALONG_BOUGH * (2.0 * share - 1.0);
+    let out = if is_other { -out } else { out };
+    (habit.axis(y) + out * habit.half(y), is_other != is_turned)
+}
+
+/// The share of cells that change at this strength: at 0.7 nearly all, for every clump that stays is
+/// found again.
+fn share_changed(strength: f64) -> f64 {
+    let rest = 1.0 - strength.clamp(0.0, 1.0);
+    1.0 - rest * rest * rest
+}
+
+fn light(pixel: Straight) -> f32 {
+    let [r, g, b, _] = pixel.0.map(f32::from);
+    0.2126 * r + 0.7152 * g + 0.0722 * b
+}
+
+/// The picture and its labels with every cell from where its patch says.
+fn composed(
+    Both { swayed, tree, .. }: Both<'_>,
+    grid: &Grid,
+    patches: &[Patch],
+) -> (Image<Straight>, Labels) {
+    let (mut image, mut labels) = (swayed.image.clone(), swayed.labels.clone());
+    let width = image.width() as usize;
+    let side = grid.side as f32;
+    let rags = Rags::new(grid.side);
+    let rows = image.pixels_mut().par_chunks_mut(width);
+    rows.zip(labels.pixels_mut().par_chunks_mut(width))
+        .enumerate()
+        .for_each(|(y, (pixels, labels))| {
+            let within = |value: f64, low: f64, count: usize| {
+                value >= low && value < low + count as f64 * grid.side
+            };
+            if !within(y as f64, grid.top, grid.rows) {
+                return;
+            }
+            for (x, (pixel, label)) in pixels.iter_mut().zip(labels).enumerate() {
+                let (fx, fy) = (x as f64, y as f64);
+                if *label == Label::Trunk || !within(fx, grid.left, grid.columns) {
+                    continue;
+                }
+                let mut best = (f32::NEG_INFINITY, *pixel, *label);
+                for cell in grid.near(fx, fy) {
+                    let patch = &patches[cell];
+                    let [cx, cy] = patch.to;
+                    let distance = ((fx - cx) * (fx - cx) + (fy - cy) * (fy - cy)).sqrt() as f32;
+                    let (u, v) = patch.source(fx, fy);
+                    let from = if patch.is_own { swayed } else { tree };
+                    let other = from.image.get(u, v).unwrap_or(Straight([0; 4]));
+                    let other_label = from.labels.get(u, v).unwrap_or_default();
+                    if other_label == Label::Trunk {
+                        continue;
+                    }
+                    let shown = f32::from(other.alpha()) / 255.0;
+                    let front = shown * (0.25 + 0.75 * (light(other) + patch.lift) / 255.0);
+                    let claim = OVERLAP * front - distance / side + rags.at(cell, x, y);
+                    if claim > best.0 {
+                        best = (claim, lifted(other, patch.lift), other_label);
+                    }
+                }
+                (*pixel, *label) = (best.1, best.2);
+            }
+        });
+    (image, labels)
+}
+
+/// What makes the borders of cells ragged: a tile of noise, of which each cell sees another part.
+struct Rags {
+    tile: Vec<f32>,
+    /// Pixels of the tile for one of the picture.
+    scale: f32,
+}
+
+impl Rags {
+    const SIDE: usize = 128;
+
+    fn new(side: f64) -> Self {
+        /// Pixels of the tile in a wave.
+        const WAVE: f64 = 4.0;
+        let noise = Noise::new(&mut Seed(0).random());
+        let at = |i: usize| [i % Self::SIDE, i / Self::SIDE].map(|along| along as f64 / WAVE);
+        let value = |i| RAGGED * (noise.at(at(i)) as f32 - 0.5);
+        Self {
+            tile: (0..Self::SIDE * Self::SIDE).map(value).collect(),
+            scale: (WAVE / (RAG * side)) as f32,
+        }
+    }
+
+    fn at(&self, cell: usize, x: usize, y: usize) -> f32 {
+        let place = |along: usize, offset: usize| {
+            ((along as f32 * self.scale) as usize + cell * offset) % Self::SIDE
+        };
+        self.tile[place(y, 47) * Self::SIDE + place(x, 29)]
+    }
+}
+
+/// The pixel with its light moved.
+fn lifted(pixel: Straight, lift: f32) -> Straight {
+    let [r, g, b, alpha] = pixel.0;
+    // By a factor: shade keeps its colour.
+    let own = light(pixel).max(8.0);
+    let factor = ((own + lift) / own).clamp(0.6, 1.6);
+    let scaled = |value: u8| (f32::from(value) * factor + 0.5).min(255.0) as u8;
+    Straight([scaled(r), scaled(g), scaled(b), alpha])
+}

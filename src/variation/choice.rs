@@ -4,7 +4,8 @@
 //! where that ends: a thin, sparse tree poured into a thick outline (Fig. 15). We walk on the graph of
 //! trees that go together (its §7, see `compatibility`), from one exemplar to a near one, up to
 //! [`DRAWS`] times, until the measured distortion is small; if none is, the least distorted draw is
-//! taken and says so. Where no two exemplars are of a kind nothing is mixed, unless any pair may be.
+//! taken and says so. Where no two exemplars are of a kind nothing is mixed, unless any pair may be; a
+//! target that none goes with stays by itself.
 //!
 //! The graph's edges from an exemplar are found when the walk comes there: a large library need not
 //! be looked at whole to make ten trees.
@@ -27,9 +28,6 @@ pub enum ChoiceError {
     /// Nothing may be mixed.
     #[error("no two of these trees match in trunk and density; any pair must be allowed")]
     NoMatch,
-    /// Nothing may be mixed with the target.
-    #[error("no tree matches the target in trunk and density; any pair must be allowed")]
-    NoMatchForTarget,
 }
 
 /// How a tree gets its colours.
@@ -116,8 +114,8 @@ impl Chosen {
 /// any. The same arguments give the same tree.
 ///
 /// # Errors
-/// [`ChoiceError`] when no draw gives a cage with an area, or no two exemplars match and
-/// `settings` ask for such that do.
+/// [`ChoiceError`] when no draw gives a cage with an area, or there is no target, no two exemplars match
+/// and `settings` ask for such that do.
 ///
 /// # Panics
 /// When there are no shapes.
@@ -128,10 +126,7 @@ pub fn chosen(
     seed: Seed,
 ) -> Result<Chosen, ChoiceError> {
     let mut best: Option<Chosen> = None;
-    let mut last_error = match target {
-        Some(_) => ChoiceError::NoMatchForTarget,
-        None => ChoiceError::NoMatch,
-    };
+    let mut last_error = ChoiceError::NoMatch;
     let traits: Vec<Traits> = match settings.selective && settings.mix > 1 {
         true => shapes.iter().map(|shape| Traits::of(shape)).collect(),
         false => Vec::new(),
@@ -160,7 +155,21 @@ pub fn chosen(
             break;
         }
     }
-    best.ok_or(last_error)
+    match (best, target) {
+        (Some(best), _) => Ok(best),
+        (None, None) => Err(last_error),
+        (None, Some(target)) => Ok(alone(target, shapes)?),
+    }
+}
+
+/// The target alone: what is random in a tree's foliage and outline makes it others, too.
+fn alone(target: usize, shapes: &[&Shape]) -> Result<Chosen, CageError> {
+    let part = Part {
+        exemplar: target,
+        contour_weight: 1.0,
+        color_weight: 1.0,
+    };
+    Chosen::of(vec![part], shapes)
 }
 
 /// How far the weights of a tree "more like" another go from its own, 0 to 1: at 1 they could be
@@ -438,8 +447,8 @@ mod tests {
             let free = chosen(&shapes, None, &settings, Seed(seed));
             assert_eq!(free.map(|found| found.parts), Err(ChoiceError::NoMatch));
             let aimed = chosen(&shapes, Some(1), &settings, Seed(seed));
-            let aimed = aimed.map(|found| found.parts);
-            assert_eq!(aimed, Err(ChoiceError::NoMatchForTarget));
+            let exemplars = aimed.map(|found| found.parts.iter().map(|p| p.exemplar).collect());
+            assert_eq!(exemplars, Ok(vec![1]));
         }
         settings.selective = false;
         let found = chosen(&shapes, None, &settings, Seed(1)).unwrap();

@@ -8,6 +8,7 @@ step() {
     "$@"
 }
 
+scripts/consumers.sh --fetch >/dev/null 2>&1 &
 step cargo fmt --all --check
 step cargo clippy --locked --all-targets -- -D warnings
 # Tests of the library, the binary and the folders tests/ and examples/, then those in the comments.

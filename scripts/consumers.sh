@@ -4,6 +4,7 @@
 # target/consumers, pinned by tests/consumers; what cannot be fetched is said and left out, except
 # under BOSCAGE_REQUIRE_CONSUMERS=1.
 #   scripts/consumers.sh [BOSCAGE]      the program; default target/debug/boscage
+#   scripts/consumers.sh --fetch        only fetches them, which may go on while the program is compiled
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -12,6 +13,9 @@ kept=$PWD/target/consumers
 mkdir -p "$kept"
 work=$(mktemp -d "$kept/run.XXXXXX")
 trap 'rm -rf "$work"' EXIT
+# A fetch that still goes on is waited for.
+exec 9>"$kept/lock"
+if command -v flock >/dev/null; then flock 9; fi
 
 left_out() {
     printf '== %s: exports were not checked by it\n' "$1"
@@ -32,6 +36,12 @@ readers() {
         timeout 180 "$kept/python/bin/pip" install --quiet --requirement tests/consumers/requirements.txt &&
         touch "$kept/python/done"
 }
+
+if [[ ${1:-} == --fetch ]]; then
+    validator || true
+    readers || true
+    exit
+fi
 
 # A tree with its crown, of the pictures built in.
 mkdir "$work/pictures"

@@ -24,6 +24,10 @@ const REACHES: [f64; 2] = [0.4, 0.07];
 /// The same from which on gaps in the new foliage are gaps of the tree.
 const DEEP: f32 = 0.997;
 
+/// In what stands straight the depth up to which sky stays sky and a bough a bough: they end in tips, with
+/// gaps between.
+const KEPT: f32 = 0.97;
+
 /// Side of the largest square of leaves, in cell sizes, that hang in the air.
 const LOOSE: f64 = 0.35;
 
@@ -41,6 +45,7 @@ pub(super) fn within_outline(
     let everywhere = alpha.map(|_| true);
     let inside = smoothed_within(&alpha, &everywhere, BAND * side, cancel)?;
     let reach = Noise::new(random);
+    let keeps_outline = habit.is_straight();
     let width = inside.width() as usize;
     let mut result = tree.clone();
     let rows = result.image.pixels_mut().par_chunks_mut(width);
@@ -63,7 +68,9 @@ pub(super) fn within_outline(
                 }
                 let depth = inside[x];
                 let is_leaf = foliage[x].alpha() >= 128;
-                let takes = if depth < 0.5 {
+                let takes = if keeps_outline && depth < KEPT {
+                    is_leaf && pixels[x].alpha() >= 96
+                } else if depth < 0.5 {
                     let at = |wave: f64| reach.at([x, y].map(|along| along as f64 / (wave * side)));
                     let [wide, fine] = REACHES.map(at);
                     let least = OUTERMOST * (0.65 * wide + 0.35 * fine) as f32;

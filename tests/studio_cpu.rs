@@ -6,7 +6,8 @@
 
 mod window;
 
-use boscage::app::{Action, Canvas, Command, Shell, Textures, Workspace};
+use boscage::app::{Action, Canvas, Command, Gesture, Shell, Textures, Workspace};
+use boscage::document::{CrownSettings, Edit};
 use eframe::egui_wgpu::RendererOptions;
 use egui::epaint::textures::TexturesDelta;
 use egui::{Context, FullOutput};
@@ -132,6 +133,18 @@ fn the_processor_draws_the_window_as_a_card_does() {
     compare(&mut window, &drawn, "start");
     open_sample(&mut window);
     act(&mut window, Action::TourSeen);
+    // A crown that is soon made.
+    let settings = CrownSettings {
+        size: 64,
+        ..CrownSettings::default()
+    };
+    let id = window.state().studio().shown().unwrap();
+    let small = Action::Edit {
+        label: "Test",
+        edit: Edit::SetCrown(id, Box::new(settings)),
+        gesture: Gesture::Whole,
+    };
+    act(&mut window, small);
     wait(&mut window, |shell| !shell.studio().is_busy());
     compare(&mut window, &drawn, "crown");
     act(&mut window, Action::Do(Command::ToggleTheme));

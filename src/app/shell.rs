@@ -133,6 +133,11 @@ impl Shell {
         self.has_lost_card
     }
 
+    /// Whether frames are told of.
+    pub(super) fn traces_frames(&self) -> bool {
+        self.traces_frames
+    }
+
     /// Closes the window once its card is lost.
     fn watch_card(&mut self, ctx: &Context) {
         if !self.has_lost_card && self.panels.has_lost_card() {

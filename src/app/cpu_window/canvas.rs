@@ -5,20 +5,21 @@
 //! edge). The picture is cut into bands; those in which nothing changed since the last time are kept.
 
 use super::fill::{Band, Batch};
+use super::pixel::pixel;
 use super::textures::Textures;
 use egui::epaint::{Primitive, Vertex};
-use egui::{ClippedPrimitive, Mesh, Rect};
+use egui::{ClippedPrimitive, Mesh, Rect, TextureId};
 use rayon::prelude::*;
-use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 use std::ops::Range;
 
 /// Rows of a band: few enough that a stroke or a spinner changes little, enough that a shape is not
 /// taken up too often.
 const BAND: usize = 24;
 
-/// The picture, `0x00RRGGBB` a pixel, rows from the top.
-#[derive(Default)]
+/// The picture, `0xffRRGGBB` a pixel, rows from the top.
 pub struct Canvas {
+    /// Threads of its own: those of the jobs may be busy for seconds. None where there are none to be had.
+    threads: Option<rayon::ThreadPool>,
     size: (u32, u32),
     pixels: Vec<u32>,
     /// What the bands were drawn from.
@@ -31,6 +32,18 @@ pub(super) struct Shape {
     batch: u32,
     first: u32,
     is_rect: bool,
+}
+
+impl Default for Canvas {
+    /// A picture without pixels.
+    fn default() -> Self {
+        Self {
+            threads: rayon::ThreadPoolBuilder::new().build().ok(),
+            size: (0, 0),
+            pixels: Vec::new(),
+            drawn: Vec::new(),
+        }
+    }
 }
 
 impl Canvas {
@@ -66,32 +79,41 @@ impl Canvas {
         }
         let batches = batches(size, pixels_per_point, primitives, textures);
         let shapes = shapes(&batches, bands);
-        let drawn: usize = self
+        let bands = self
             .pixels
-            .par_chunks_mut(width * BAND)
+            .chunks_mut(width * BAND)
             .zip(&mut self.drawn)
             .zip(shapes)
-            .enumerate()
-            .map(|(band, ((pixels, drawn), shapes))| {
-                let content = content(&batches, &shapes, ground);
-                if std::mem::replace(drawn, content) == content {
-                    return 0;
-                }
-                pixels.fill(ground);
-                let mut band = Band::new(pixels, width, band * BAND);
-                for shape in shapes {
-                    let batch = &batches[shape.batch as usize];
-                    let corners = |at| &batch.mesh.vertices[batch.mesh.indices[at] as usize];
-                    let first = shape.first as usize;
-                    match shape.is_rect {
-                        true => band.rectangle(batch, corners(first), corners(first + 5)),
-                        false => band.triangle(batch, [first, first + 1, first + 2].map(corners)),
-                    }
-                }
-                band.rows()
-            })
-            .sum();
-        drawn
+            .enumerate();
+        let mut changed = Vec::new();
+        for (number, ((pixels, drawn), shapes)) in bands {
+            let content = content(&batches, &shapes, ground);
+            if std::mem::replace(drawn, content) != content {
+                changed.push((Band::new(pixels, width, number * BAND), shapes));
+            }
+        }
+        let rows = changed.iter().map(|(band, _)| band.rows()).sum();
+        let draw = |(band, shapes): &mut (Band<'_>, Vec<Shape>)| {
+            draw_band(band, &batches, shapes, ground);
+        };
+        match &self.threads {
+            Some(threads) => threads.install(|| changed.par_iter_mut().for_each(draw)),
+            None => changed.iter_mut().for_each(draw),
+        }
+        rows
+    }
+}
+
+fn draw_band(band: &mut Band<'_>, batches: &[Batch<'_>], shapes: &[Shape], ground: u32) {
+    band.clear(ground);
+    for shape in shapes {
+        let batch = &batches[shape.batch as usize];
+        let corner = |at| &batch.mesh.vertices[batch.mesh.indices[at] as usize];
+        let first = shape.first as usize;
+        match shape.is_rect {
+            true => band.rectangle(batch, corner(first), corner(first + 5)),
+            false => band.triangle(batch, [first, first + 1, first + 2].map(corner)),
+        }
     }
 }
 
@@ -185,34 +207,54 @@ fn is_rectangle(mesh: &Mesh, first: usize) -> bool {
 
 /// Tells contents of a band apart.
 fn content(batches: &[Batch<'_>], shapes: &[Shape], ground: u32) -> u64 {
-    let mut hasher = DefaultHasher::new();
-    hasher.write_u32(ground);
+    let mut mixed = Mixed(u64::from(ground));
     let mut last = None;
     for shape in shapes {
         let batch = &batches[shape.batch as usize];
         if last != Some(shape.batch) {
             last = Some(shape.batch);
-            batch.columns.hash(&mut hasher);
-            batch.rows.hash(&mut hasher);
-            batch.mesh.texture_id.hash(&mut hasher);
-            batch.texture.version.hash(&mut hasher);
-            batch.pixels_per_point.to_bits().hash(&mut hasher);
+            for side in [&batch.columns, &batch.rows] {
+                mixed.add(side.start as u64);
+                mixed.add(side.end as u64);
+            }
+            let (kind, number) = match batch.mesh.texture_id {
+                TextureId::Managed(number) => (0, number),
+                TextureId::User(number) => (1, number),
+            };
+            mixed.add(kind);
+            mixed.add(number);
+            mixed.add(batch.texture.version);
+            mixed.add(batch.pixels_per_point.to_bits());
         }
-        // The fifth corner of a rectangle is its second, the sixth its last.
         let count = if shape.is_rect { 6 } else { 3 };
         let first = shape.first as usize;
         for &at in &batch.mesh.indices[first..first + count] {
-            hasher.write(bytemuck::bytes_of(&batch.mesh.vertices[at as usize]));
+            let Vertex { pos, uv, color } = batch.mesh.vertices[at as usize];
+            mixed.add(u64::from(pos.x.to_bits()) << 32 | u64::from(pos.y.to_bits()));
+            mixed.add(u64::from(uv.x.to_bits()) << 32 | u64::from(uv.y.to_bits()));
+            mixed.add(u64::from(pixel(color)));
         }
     }
-    hasher.finish()
+    mixed.0
+}
+
+/// A number of many: another one for certain when one of them changes, and as good as for certain when
+/// more do. (The standard library's takes longer than the drawing.)
+struct Mixed(u64);
+
+impl Mixed {
+    #[inline(always)]
+    fn add(&mut self, word: u64) {
+        // An odd factor, so that no two states become one: the golden section of 2⁶⁴.
+        self.0 = (self.0.rotate_left(29) ^ word).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use egui::epaint::{ImageDelta, textures::TexturesDelta};
-    use egui::{Color32, ColorImage, Pos2, TextureId, TextureOptions, pos2};
+    use egui::{Color32, ColorImage, Pos2, TextureOptions, pos2};
 
     const GROUND: u32 = 0xff00_0000;
     const HALF_WHITE: Color32 = Color32::from_rgba_premultiplied(128, 128, 128, 128);
@@ -349,11 +391,7 @@ mod tests {
     fn a_picture_shows_its_texels_one_by_one() {
         let image = ColorImage::example();
         let [width, height] = image.size;
-        let expected: Vec<u32> = image
-            .pixels
-            .iter()
-            .map(|c| super::super::pixel::pixel(*c))
-            .collect();
+        let expected: Vec<u32> = image.pixels.iter().map(|color| pixel(*color)).collect();
         let textures = with_texture(image, TextureOptions::LINEAR);
         let mut mesh = Mesh::default();
         let size = egui::vec2(width as f32, height as f32);

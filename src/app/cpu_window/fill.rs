@@ -127,6 +127,11 @@ impl<'a> Band<'a> {
         self.pixels.len() / self.width
     }
 
+    /// Takes off all that was drawn.
+    pub(super) fn clear(&mut self, ground: u32) {
+        self.pixels.fill(ground);
+    }
+
     fn rows_of(&self, rows: Range<i64>) -> Range<i64> {
         rows.start.max(self.top)..rows.end.min(self.top + self.rows() as i64)
     }
@@ -254,7 +259,7 @@ impl<'a> Band<'a> {
                 fixed(v.at(columns.start, row)),
             );
             let step = (fixed(u.across), fixed(v.across));
-            let level = if is_level { texture.row(at.1) } else { None };
+            let level = is_level.then(|| texture.row(at.1));
             match (level, filter) {
                 (Some(texels), TextureFilter::Linear) => {
                     if let Some(texels) = texels.exact(at.0, step.0, span.len()) {
@@ -295,7 +300,8 @@ impl<'a> Band<'a> {
                 continue;
             }
             let mut values = channels.map(|channel| channel.at(columns.start, row) as f32 + 0.5);
-            for (below, column) in self.span(row, &columns).iter_mut().zip(columns.clone()) {
+            let mut column = columns.start;
+            for below in self.span(row, &columns) {
                 // Numbers outside of a byte become its ends.
                 let [alpha, red, green, blue] = values.map(|value| value as u8);
                 let color = u32::from_be_bytes([alpha, red, green, blue]);
@@ -310,6 +316,7 @@ impl<'a> Band<'a> {
                 for (value, step) in values.iter_mut().zip(steps) {
                     *value += step;
                 }
+                column += 1;
             }
         }
     }

@@ -129,22 +129,19 @@ impl Texture {
             [wrapped(row, self.height, mode) * self.width + wrapped(column, self.width, mode)]
     }
 
-    /// What a row of pixels shows whose v is the same; `None` where the texture repeats.
-    pub(super) fn row(&self, v: i64) -> Option<TexelRow<'_>> {
-        if self.options.wrap_mode != TextureWrapMode::ClampToEdge {
-            return None;
-        }
-        let of = |row: i64| {
-            let row = row.clamp(0, self.height as i64 - 1) as usize;
-            &self.texels[row * self.width..][..self.width]
-        };
+    /// What a row of pixels shows whose v is the same.
+    pub(super) fn row(&self, v: i64) -> TexelRow<'_> {
+        let mode = self.options.wrap_mode;
+        let of =
+            |row: i64| &self.texels[wrapped(row, self.height, mode) * self.width..][..self.width];
         let upper = v + TO_MIDDLE;
-        Some(TexelRow {
+        TexelRow {
             nearest: of(v >> 32),
             upper: of(upper >> 32),
             lower: of((upper >> 32) + 1),
             down: (upper >> 24) as u32 & 0xff,
-        })
+            mode,
+        }
     }
 }
 
@@ -155,22 +152,22 @@ pub(super) struct TexelRow<'a> {
     lower: &'a [u32],
     /// Share of the lower one, of 256.
     down: u32,
+    mode: TextureWrapMode,
 }
 
 impl<'a> TexelRow<'a> {
     /// As [`Texture::nearest`].
     #[inline(always)]
     pub(super) fn nearest(&self, u: i64) -> u32 {
-        self.nearest[(u >> 32).clamp(0, self.nearest.len() as i64 - 1) as usize]
+        self.nearest[wrapped(u >> 32, self.nearest.len(), self.mode)]
     }
 
     /// As [`Texture::linear`].
     #[inline(always)]
     pub(super) fn linear(&self, u: i64) -> u32 {
         let u = u + TO_MIDDLE;
-        let last = self.upper.len() as i64 - 1;
-        let left = (u >> 32).clamp(0, last) as usize;
-        let right = ((u >> 32) + 1).clamp(0, last) as usize;
+        let left = wrapped(u >> 32, self.upper.len(), self.mode);
+        let right = wrapped((u >> 32) + 1, self.upper.len(), self.mode);
         let across = (u >> 24) as u32 & 0xff;
         let upper = between(self.upper[left], self.upper[right], across);
         if self.down == 0 {
@@ -201,13 +198,15 @@ impl<'a> TexelRow<'a> {
 /// The texel of `count` that is shown at `index`.
 #[inline(always)]
 fn wrapped(index: i64, count: usize, mode: TextureWrapMode) -> usize {
-    let count = count as i64;
+    let last = count as i64 - 1;
     let inside = match mode {
-        TextureWrapMode::ClampToEdge => index.clamp(0, count - 1),
-        TextureWrapMode::Repeat => index.rem_euclid(count),
+        TextureWrapMode::ClampToEdge => index.clamp(0, last),
+        // A division takes longer than all else about a pixel.
+        TextureWrapMode::Repeat if count.is_power_of_two() => index & last,
+        TextureWrapMode::Repeat => index.rem_euclid(last + 1),
         TextureWrapMode::MirroredRepeat => {
-            let phase = index.rem_euclid(2 * count);
-            phase.min(2 * count - 1 - phase)
+            let phase = index.rem_euclid(2 * (last + 1));
+            phase.min(2 * last + 1 - phase)
         }
     };
     inside as usize

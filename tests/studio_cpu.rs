@@ -145,15 +145,21 @@ fn the_processor_draws_the_window_as_a_card_does() {
         gesture: Gesture::Whole,
     };
     act(&mut window, small);
-    wait(&mut window, |shell| !shell.studio().is_busy());
+    wait(&mut window, |shell| shell.studio().shown_crown().is_some());
     compare(&mut window, &drawn, "crown");
     act(&mut window, Action::Do(Command::ToggleTheme));
     act(&mut window, Action::Do(Command::ZoomIn));
     act(&mut window, Action::Do(Command::Palette));
-    wait(&mut window, |shell| !shell.studio().is_busy());
     compare(&mut window, &drawn, "palette");
     act(&mut window, Action::Do(Command::Palette));
-    act(&mut window, Action::Workspace(Workspace::Variations));
-    wait(&mut window, |shell| !shell.studio().is_busy());
-    compare(&mut window, &drawn, "variations");
+    for (workspace, name) in [
+        (Workspace::Variations, "variations"),
+        (Workspace::Library, "library"),
+    ] {
+        act(&mut window, Action::Workspace(workspace));
+        for _ in 0..8 {
+            window.step();
+        }
+        compare(&mut window, &drawn, name);
+    }
 }

@@ -265,6 +265,13 @@ impl<'a> Band<'a> {
                     if let Some(texels) = texels.exact(at.0, step.0, span.len()) {
                         let mut texels = texels.iter();
                         lay(span, color, || texels.next().copied().unwrap_or_default());
+                    } else if texels.is_inside(
+                        at.0,
+                        at.0.saturating_add(step.0.saturating_mul(span.len() as i64 - 1)),
+                    ) {
+                        lay(span, color, || {
+                            texels.linear_inside(next(&mut at.0, step.0))
+                        });
                     } else {
                         lay(span, color, || texels.linear(next(&mut at.0, step.0)));
                     }
@@ -300,8 +307,7 @@ impl<'a> Band<'a> {
                 continue;
             }
             let mut values = channels.map(|channel| channel.at(columns.start, row) as f32 + 0.5);
-            let mut column = columns.start;
-            for below in self.span(row, &columns) {
+            for (column, below) in (columns.start..).zip(self.span(row, &columns)) {
                 // Numbers outside of a byte become its ends.
                 let [alpha, red, green, blue] = values.map(|value| value as u8);
                 let color = u32::from_be_bytes([alpha, red, green, blue]);
@@ -316,7 +322,6 @@ impl<'a> Band<'a> {
                 for (value, step) in values.iter_mut().zip(steps) {
                     *value += step;
                 }
-                column += 1;
             }
         }
     }
@@ -344,7 +349,7 @@ fn next(value: &mut i64, step: i64) -> i64 {
     now
 }
 
-/// A number of texels as textures take it.
+/// A number of texels as textures take it; broken ones are some number.
 fn fixed(texels: f64) -> i64 {
     (texels * TEXEL as f64) as i64
 }

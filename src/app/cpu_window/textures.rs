@@ -109,7 +109,7 @@ impl Texture {
     /// The four texels around a place, mixed.
     #[inline(always)]
     pub(super) fn linear(&self, u: i64, v: i64) -> u32 {
-        let (u, v) = (u + TO_MIDDLE, v + TO_MIDDLE);
+        let (u, v) = (u.wrapping_add(TO_MIDDLE), v.wrapping_add(TO_MIDDLE));
         let (column, row) = (u >> 32, v >> 32);
         let across = (u >> 24) as u32 & 0xff;
         let down = (v >> 24) as u32 & 0xff;
@@ -134,7 +134,7 @@ impl Texture {
         let mode = self.options.wrap_mode;
         let of =
             |row: i64| &self.texels[wrapped(row, self.height, mode) * self.width..][..self.width];
-        let upper = v + TO_MIDDLE;
+        let upper = v.wrapping_add(TO_MIDDLE);
         TexelRow {
             nearest: of(v >> 32),
             upper: of(upper >> 32),
@@ -165,19 +165,39 @@ impl<'a> TexelRow<'a> {
     /// As [`Texture::linear`].
     #[inline(always)]
     pub(super) fn linear(&self, u: i64) -> u32 {
-        let u = u + TO_MIDDLE;
+        let u = u.wrapping_add(TO_MIDDLE);
         let left = wrapped(u >> 32, self.upper.len(), self.mode);
         let right = wrapped((u >> 32) + 1, self.upper.len(), self.mode);
-        let across = (u >> 24) as u32 & 0xff;
-        let upper = between(self.upper[left], self.upper[right], across);
-        if self.down == 0 {
-            return upper;
+        self.between(left, right, u)
+    }
+
+    /// As [`TexelRow::linear`], where the texels left and right of `u` are ones of the row.
+    #[inline(always)]
+    pub(super) fn linear_inside(&self, u: i64) -> u32 {
+        let u = u.wrapping_add(TO_MIDDLE);
+        let left = (u >> 32) as usize;
+        self.between(left, left + 1, u)
+    }
+
+    /// Whether the texels left and right of places between these two are ones of the row.
+    pub(super) fn is_inside(&self, one: i64, other: i64) -> bool {
+        let columns = 0..self.upper.len() as i64 - 1;
+        [one, other]
+            .map(|u| u.wrapping_add(TO_MIDDLE) >> 32)
+            .iter()
+            .all(|left| columns.contains(left))
+    }
+
+    #[inline(always)]
+    fn between(&self, left: usize, right: usize, u: i64) -> u32 {
+        let (a, b) = (self.upper[left], self.upper[right]);
+        let (c, d) = (self.lower[left], self.lower[right]);
+        // Much of a cut-out tree is nothing, much of other pictures all alike.
+        if a == b && a == c && a == d {
+            return a;
         }
-        between(
-            upper,
-            between(self.lower[left], self.lower[right], across),
-            self.down,
-        )
+        let across = (u >> 24) as u32 & 0xff;
+        between(between(a, b, across), between(c, d, across), self.down)
     }
 
     /// The texels themselves, if `count` pixels from `u` on, `step` apart, show them one by one

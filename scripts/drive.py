@@ -57,7 +57,7 @@ class Studio:
             if len(words) == 4 and words[0] == "frame":
                 at, events, took = map(int, words[1:])
                 self.frames.append((at / 1e6, events, took / 1e6))
-            else:
+            elif words[:1] != ["drawn"]:
                 print("studio:", line.rstrip(), file=sys.stderr)
 
     def first_frame(self):

@@ -139,17 +139,20 @@ fn usage_errors_are_one_line_and_help_is_none() {
         "segment oak.png --out o --model oak.png",
         "warp oak.png --from from.json --to to.json --out w.png --size 0 5",
         "warp oak.png --from from.json --to to.json --out w.png --at from.json",
+        "--backend cpu segment oak.png --out o",
     ] {
         place.fail(line, 2);
     }
     assert!(place.files("o").is_empty());
     if cfg!(target_os = "linux") {
-        // Alone it opens the studio, which needs a desktop.
-        let mut alone = place.command("");
-        let alone = alone.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY");
-        let output = alone.output().unwrap();
-        assert_eq!(output.status.code(), Some(1));
-        assert_eq!(errors(&output).lines().count(), 1, "{}", errors(&output));
+        // Alone it opens the studio, which needs a desktop, whoever draws.
+        for line in ["", "--backend cpu"] {
+            let mut alone = place.command(line);
+            let alone = alone.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY");
+            let output = alone.output().unwrap();
+            assert_eq!(output.status.code(), Some(1));
+            assert_eq!(errors(&output).lines().count(), 1, "{}", errors(&output));
+        }
     }
 }
 

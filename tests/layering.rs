@@ -20,13 +20,15 @@ const MAY_OPEN_FILES: [&str; 5] = [
 const OPENING: [&str; 4] = ["std::fs", "File::", "OpenOptions", "fs::"];
 
 /// Crates that know windows.
-const WINDOWS: [&str; 6] = [
+const WINDOWS: [&str; 8] = [
     "egui",
     "eframe",
     "egui_extras",
     "egui_plot",
     "egui_tiles",
+    "egui_winit",
     "rfd",
+    "softbuffer",
 ];
 
 /// What changes the project; how it is looked at is no change.

@@ -12,6 +12,7 @@ use super::studio::{Effect, Next, Question, Severity, Studio, Workspace};
 use super::theme::{self, GAP, TIGHT, dialog, tokens};
 use super::{palette, shortcut_sheet, start, tour};
 use crate::segment::Runtime;
+use eframe::egui_wgpu::RenderState;
 use egui::{Context, RichText, Ui, ViewportCommand};
 use std::io::Write as _;
 use std::path::PathBuf;
@@ -63,26 +64,39 @@ impl Shell {
         files: Vec<PathBuf>,
         session: Session,
     ) -> Self {
-        theme::install(&creation.egui_ctx);
-        let kept = creation.storage;
+        let (ctx, kept) = (&creation.egui_ctx, creation.storage);
+        let card = creation.wgpu_render_state.as_ref();
+        Self::begin(ctx, kept, card, recovery_folder, files, session)
+    }
+
+    /// As [`Shell::in_session`], in any window: what it `kept` from the last session, and the `card` that
+    /// it is drawn with, if that is one.
+    pub(super) fn begin(
+        ctx: &Context,
+        kept: Option<&dyn eframe::Storage>,
+        card: Option<&RenderState>,
+        recovery_folder: PathBuf,
+        files: Vec<PathBuf>,
+        session: Session,
+    ) -> Self {
+        theme::install(ctx);
         let layouts: Option<Layouts> = kept.and_then(|kept| eframe::get_value(kept, LAYOUTS));
         let (mut studio, waker) = match session.take() {
             Some(left) => (left.studio, left.waker),
             None => begun(kept, recovery_folder),
         };
-        waker.belongs_to(&creation.egui_ctx);
+        waker.belongs_to(ctx);
         if !files.is_empty() {
             studio.act(Action::Open(files));
         }
-        let state = creation.wgpu_render_state.as_ref();
-        let adapter = state.map_or("no graphics card".to_owned(), |state| {
-            let info = state.adapter.get_info();
+        let adapter = card.map_or("the processor".to_owned(), |card| {
+            let info = card.adapter.get_info();
             format!("{} ({})", info.name, info.backend)
         });
         Self {
             studio,
             layouts: layouts.filter(Layouts::is_complete).unwrap_or_default(),
-            panels: Panels::new(creation),
+            panels: Panels::new(card),
             dialogs: FileDialogs::default(),
             make_dialog: MakeDialog::default(),
             palette: palette::Palette::default(),
@@ -117,6 +131,11 @@ impl Shell {
     /// Whether what the window is drawn with was lost: it closes, and leaves its studio to another.
     pub fn has_lost_card(&self) -> bool {
         self.has_lost_card
+    }
+
+    /// Whether frames are told of.
+    pub(super) fn traces_frames(&self) -> bool {
+        self.traces_frames
     }
 
     /// Closes the window once its card is lost.
@@ -194,8 +213,9 @@ impl Shell {
     }
 }
 
-impl eframe::App for Shell {
-    fn logic(&mut self, ctx: &Context, _frame: &mut eframe::Frame) {
+impl Shell {
+    /// What a frame begins with, and what is due while nobody sees the window.
+    pub(super) fn think(&mut self, ctx: &Context) {
         self.frame_begun = Instant::now();
         self.studio.take_outcomes();
         let may_close = self.has_lost_card || !self.studio.may_not_close();
@@ -216,12 +236,11 @@ impl eframe::App for Shell {
         }
     }
 
-    fn ui(&mut self, ui: &mut Ui, frame: &mut eframe::Frame) {
+    /// Draws the window, then does what the user asked for.
+    pub(super) fn show(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
         #[cfg(debug_assertions)]
-        lose_card(&ctx, frame);
-        #[cfg(not(debug_assertions))]
-        let _ = frame;
+        lose_card(&ctx, &self.panels);
         self.watch_card(&ctx);
         let theme = if self.studio.preferences.is_dark {
             egui::Theme::Dark
@@ -254,6 +273,16 @@ impl eframe::App for Shell {
             // What was done is seen in the next frame.
             ctx.request_repaint();
         }
+    }
+}
+
+impl eframe::App for Shell {
+    fn logic(&mut self, ctx: &Context, _: &mut eframe::Frame) {
+        self.think(ctx);
+    }
+
+    fn ui(&mut self, ui: &mut Ui, _: &mut eframe::Frame) {
+        self.show(ui);
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
@@ -291,16 +320,14 @@ fn begun(kept: Option<&dyn eframe::Storage>, recovery_folder: PathBuf) -> (Studi
 
 /// Loses the card in the frame that `BOSCAGE_LOSE_CARD` says, for trying out what becomes of the window.
 #[cfg(debug_assertions)]
-fn lose_card(ctx: &Context, frame: &eframe::Frame) {
+fn lose_card(ctx: &Context, panels: &Panels) {
     let when = std::env::var("BOSCAGE_LOSE_CARD").ok();
     let Some(when) = when.and_then(|text| text.parse::<u64>().ok()) else {
         return;
     };
     ctx.request_repaint();
-    if let Some(state) = frame.wgpu_render_state()
-        && ctx.cumulative_frame_nr() == when
-    {
-        state.device.destroy();
+    if ctx.cumulative_frame_nr() == when {
+        panels.lose_card();
     }
 }
 

@@ -55,11 +55,12 @@ use crate::base::{
 };
 use crate::batch::run::Run;
 use crate::batch::{failure, input, items, output, records};
+use crate::render::Backend;
 use crate::segment::Runtime;
 use clap::{Parser, Subcommand};
 use clock::StageClock;
 use failure::Failure;
-use options::CommonOptions;
+use options::{BackendName, CommonOptions};
 use output::Output;
 use session::Session;
 use std::io::IsTerminal as _;
@@ -78,6 +79,9 @@ struct Cli {
     /// A project or pictures to open in the studio.
     #[arg(value_name = "FILE")]
     files: Vec<PathBuf>,
+    /// Who draws the studio's window
+    #[arg(long, value_enum, value_name = "NAME")]
+    backend: Option<BackendName>,
     #[command(subcommand)]
     command: Option<Command>,
 }
@@ -159,6 +163,10 @@ pub fn run() -> ExitCode {
             cli.files[0].display(),
             "is neither a command nor an argument of one",
         )),
+        Some(_) if cli.backend.is_some() => Err(Failure::of(
+            "--backend",
+            "stands behind the command that it is of",
+        )),
         Some(command) => cli
             .options
             .check()
@@ -167,7 +175,8 @@ pub fn run() -> ExitCode {
             if let Some(library) = cli.options.onnx_runtime() {
                 Runtime::choose(Some(&library));
             }
-            studio(cli.files)
+            let backend = cli.backend.unwrap_or_default();
+            studio(cli.files, backend.forced())
         }
     };
     match outcome {
@@ -263,7 +272,7 @@ fn remove_what_is_left(options: &CommonOptions) {
 }
 
 /// `boscage` alone opens the studio.
-fn studio(files: Vec<PathBuf>) -> Result<(), Failure> {
+fn studio(files: Vec<PathBuf>, backend: Option<Backend>) -> Result<(), Failure> {
     // A mistyped command shall not open a window.
     if let Some(missing) = files.iter().find(|file| !file.exists()) {
         return Err(Failure::of(
@@ -271,9 +280,9 @@ fn studio(files: Vec<PathBuf>) -> Result<(), Failure> {
             "is neither a command nor a file",
         ));
     }
-    app::run(files).map_err(|error| {
+    app::run(files, backend).map_err(|error| {
         Failure::Environment(format!(
-            "{error}; commands work without one, see boscage --help"
+            "{error}; commands work without a window, see boscage --help"
         ))
     })
 }

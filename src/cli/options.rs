@@ -4,6 +4,7 @@ use super::failure::Failure;
 use super::output::Policy;
 use crate::base::VectorLevel;
 use crate::batch::run::Shard;
+use crate::render::Backend;
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 
@@ -83,6 +84,29 @@ impl CommonOptions {
         match &self.out {
             Some(path) if !path.as_os_str().is_empty() => Ok(path),
             _ => Err(Failure::of("--out PATH", "is needed by this command")),
+        }
+    }
+}
+
+/// Who draws.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum BackendName {
+    /// The graphics card, or the processor where there is none
+    #[default]
+    Auto,
+    /// The graphics card
+    Gpu,
+    /// The processor
+    Cpu,
+}
+
+impl BackendName {
+    /// What no other may replace.
+    pub(super) fn forced(self) -> Option<Backend> {
+        match self {
+            Self::Auto => None,
+            Self::Gpu => Some(Backend::Gpu),
+            Self::Cpu => Some(Backend::Cpu),
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::failure::Failure;
 use super::input::read_crown_and_record;
+use super::options::BackendName;
 use super::output::recipe;
 use super::session::Session;
 use super::{Job, Stages};
@@ -108,17 +109,6 @@ enum ModeName {
     K,
     /// Leaves when near, relief when far
     Auto,
-}
-
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
-enum BackendName {
-    /// The graphics card, or the processor where there is none
-    #[default]
-    Auto,
-    /// The graphics card
-    Gpu,
-    /// The processor
-    Cpu,
 }
 
 #[derive(Debug, Clone, Copy, Default, ValueEnum)]
@@ -303,10 +293,9 @@ impl Flags {
     }
 
     fn renderer(&self, session: &Session<'_>) -> Result<Renderer, Failure> {
-        match self.backend {
-            BackendName::Cpu => Ok(Renderer::new(Backend::Cpu)?),
-            BackendName::Gpu => Ok(Renderer::new(Backend::Gpu)?),
-            BackendName::Auto => Ok(Renderer::new(Backend::Gpu).or_else(|error| {
+        match self.backend.forced() {
+            Some(backend) => Ok(Renderer::new(backend)?),
+            None => Ok(Renderer::new(Backend::Gpu).or_else(|error| {
                 session
                     .progress
                     .warn(&format!("{error}; drawing on the processor"));

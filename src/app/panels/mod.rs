@@ -31,6 +31,7 @@ use super::dock::Pane;
 use super::studio::{Effect, Studio};
 use crate::document::{Edit, VariationSettings};
 use crate::raster::{Image, Straight};
+use eframe::egui_wgpu::RenderState;
 use egui::{ColorImage, Response, Ui};
 
 /// All panels of the window.
@@ -47,11 +48,11 @@ pub(super) struct Panels {
 }
 
 impl Panels {
-    pub(super) fn new(creation: &eframe::CreationContext<'_>) -> Self {
+    pub(super) fn new(card: Option<&RenderState>) -> Self {
         Self {
             pictures: pictures::Pictures::default(),
             canvas: canvas::Canvas::default(),
-            view: view::View::new(creation),
+            view: view::View::new(card),
             crown: crown::Crown::default(),
             exemplars: exemplars::Exemplars::default(),
             gallery: gallery::Gallery::default(),
@@ -90,6 +91,12 @@ impl Panels {
     /// Whether the graphics card that the window is drawn with was lost.
     pub(super) fn has_lost_card(&self) -> bool {
         self.view.has_lost_card()
+    }
+
+    /// Loses that card, to try out what comes of it.
+    #[cfg(debug_assertions)]
+    pub(super) fn lose_card(&self) {
+        self.view.lose_card();
     }
 
     pub(super) fn perform(&mut self, effect: &Effect) {

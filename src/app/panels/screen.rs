@@ -92,6 +92,14 @@ impl Screen {
         self.gpu.as_ref().is_some_and(Gpu::is_lost)
     }
 
+    /// Loses that device, to try out what comes of it.
+    #[cfg(debug_assertions)]
+    pub(super) fn lose_card(&self) {
+        if let Some(card) = &self.card {
+            card.state.device.destroy();
+        }
+    }
+
     /// The texture to show and whether it is all that was asked for; `None` before there is one.
     pub(super) fn texture(
         &mut self,

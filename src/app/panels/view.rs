@@ -9,6 +9,7 @@ use super::empty;
 use super::screen::{Look, Screen, light};
 use crate::document::PhotoId;
 use crate::scene::{Backdrop, Camera};
+use eframe::egui_wgpu::RenderState;
 use egui::{Color32, PointerButton, Pos2, Rect, Response, Sense, Ui, Vec2, pos2, vec2};
 use glam::DVec3;
 
@@ -46,9 +47,9 @@ enum Motion {
 }
 
 impl View {
-    pub(super) fn new(creation: &eframe::CreationContext<'_>) -> Self {
+    pub(super) fn new(card: Option<&RenderState>) -> Self {
         Self {
-            screen: Screen::new(creation.wgpu_render_state.as_ref()),
+            screen: Screen::new(card),
             framed: None,
             pan: Vec2::ZERO,
             frames_again: false,
@@ -70,6 +71,12 @@ impl View {
     /// Whether the graphics card was lost.
     pub(super) fn has_lost_card(&self) -> bool {
         self.screen.has_lost_card()
+    }
+
+    /// Loses that card, to try out what comes of it.
+    #[cfg(debug_assertions)]
+    pub(super) fn lose_card(&self) {
+        self.screen.lose_card();
     }
 
     pub(super) fn show(&mut self, ui: &mut Ui, studio: &Studio, actions: &mut Vec<Action>) {

@@ -38,11 +38,11 @@ const SLENDER: f64 = 1.6;
 /// Of what stands straight: length and height of the waves in which boughs reach out, in cell sizes and
 /// as a share of their length; both sides together, and each by itself.
 const REACH: [[f64; 2]; 2] = [[3.4, 0.18], [1.3, 0.09]];
-const REACH_OF_SIDE: [[f64; 2]; 2] = [[2.6, 0.16], [0.9, 0.13]];
+const REACH_OF_SIDE: [[f64; 2]; 2] = [[2.6, 0.13], [0.9, 0.09]];
 
 /// How much wider or narrower the whole of it becomes, and its foot against its tip.
-const BROAD: f64 = 0.24;
-const SPREAD: f64 = 0.18;
+const BROAD: f64 = 0.27;
+const SPREAD: f64 = 0.22;
 
 /// Length and height of the waves in which its tiers move up and down, in cell sizes.
 const TIERS: [[f64; 2]; 2] = [[3.0, 1.15], [1.3, 0.4]];

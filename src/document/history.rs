@@ -14,7 +14,10 @@ const MOST_CONTENT_BYTES: usize = 64 << 20;
 
 /// First bytes of a content as it is packed now. Those of older ones cannot be: they begin with the
 /// length of a title. The third counts up whenever a field comes or goes; see [`super::legacy`].
-const MARK: [u8; 3] = [0xff, 0xff, 1];
+const MARK: [u8; 3] = [0xff, 0xff, 2];
+
+/// The same before outlines were moved.
+const UNSHAPED: [u8; 3] = [0xff, 0xff, 1];
 
 /// A step does not fit the state it is applied to: only files that lie can bring that about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -79,10 +82,14 @@ impl PackedContent {
             return Err(Misfit);
         }
         let bytes = lz4_flex::block::decompress(&self.lz4, length).map_err(|_| Misfit)?;
-        match bytes.strip_prefix(&MARK) {
-            Some(bytes) => postcard::from_bytes(bytes).map_err(|_| Misfit),
-            None => legacy::content(&bytes).ok_or(Misfit),
+        if let Some(bytes) = bytes.strip_prefix(&MARK) {
+            return postcard::from_bytes(bytes).map_err(|_| Misfit);
         }
+        let older = match bytes.strip_prefix(&UNSHAPED) {
+            Some(bytes) => legacy::unshaped_content(bytes),
+            None => legacy::content(&bytes),
+        };
+        older.ok_or(Misfit)
     }
 }
 

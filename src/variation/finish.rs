@@ -59,10 +59,10 @@ pub struct Reshaping {
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Finish {
     /// Whether its crown is of fronds about one heart, as that of a palm.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    #[serde(default)]
     pub has_fronds: bool,
     /// How its outline is moved.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     pub reshaping: Option<Reshaping>,
     /// How it is made another individual.
     pub individual: Option<IndividualSettings>,

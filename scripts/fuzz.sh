@@ -31,7 +31,7 @@ if [[ -n $program ]]; then
         "$program" samples --bundled --out trees
         "$program" vary --library trees --count 2 --size 64 --out new
         PYTHONPATH=$scripts/reliability python3 -c 'import inputs; inputs.photo_and_mask(".", 64)'
-        "$program" crown photo.png --mask mask.png --size 16 --out crown
+        "$program" crown photo.png --mask mask.png --size 32 --out crown
     ) >/dev/null
     seed library "$made/new/library.json"
     seed crown_record "$made/crown/crown.json"

@@ -18,6 +18,7 @@ use crate::export::{
 };
 use crate::raster::{Compression, CubeFace, encode_png};
 use crate::scene::Crown;
+use crate::variation::named;
 use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -66,10 +67,7 @@ impl LeafName {
 
     /// The leaves of a tree whose picture has that file name, if it tells.
     pub(crate) fn of_picture(name: &str) -> Option<Self> {
-        let name = name.to_lowercase();
-        let words: Vec<&str> = name.split(|c: char| !c.is_alphabetic()).collect();
-        let is_in_name = |word: &&(&str, Self)| words.iter().any(|own| own.starts_with(word.0));
-        LEAVES_BY_NAME.iter().find(is_in_name).map(|word| word.1)
+        named(name, &LEAVES_BY_NAME)
     }
 
     /// The shape of that name.
@@ -105,8 +103,6 @@ const LEAVES_BY_NAME: [(&str, LeafName); 24] = [
     ("juniper", LeafName::Tuft),
     ("thuja", LeafName::Tuft),
     ("yew", LeafName::Tuft),
-    // As near as it gets to fronds.
-    ("palm", LeafName::Tuft),
     ("oak", LeafName::Lobed),
     ("quercus", LeafName::Lobed),
     ("maple", LeafName::Palmate),
@@ -115,6 +111,8 @@ const LEAVES_BY_NAME: [(&str, LeafName); 24] = [
     ("salix", LeafName::Lance),
     ("linden", LeafName::Round),
     ("poplar", LeafName::Round),
+    // As near as it gets to fronds; behind what may be palmate.
+    ("palm", LeafName::Tuft),
 ];
 
 /// What is made of crowns alone.

@@ -16,8 +16,7 @@ use crate::raster::Straight;
 /// ```
 #[inline]
 pub fn luminance(pixel: Straight) -> f32 {
-    let [red, green, blue, _] = pixel.0.map(f32::from);
-    (0.2126 * red + 0.7152 * green + 0.0722 * blue) / 255.0
+    pixel.luma() / 255.0
 }
 
 /// A linear map that takes two values to 0 and 1.

@@ -13,19 +13,20 @@ use crate::variation::{Aspect, Finish, HslShift, IndividualSettings, SeasonChoic
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A content as it was before trees were bred.
+/// A content whose variations were others.
 #[derive(Deserialize)]
-struct OldContent {
+struct OldContent<V> {
     title: String,
     photos: BTreeMap<PhotoId, Photo>,
     crowns: BTreeMap<PhotoId, CrownSettings>,
-    variation: OldVariation,
+    variation: V,
     next_photo: u32,
     pins: BTreeMap<PhotoId, HandPins>,
 }
 
+/// Variations as they were before trees were bred (no mark).
 #[derive(Deserialize)]
-struct OldVariation {
+struct OldVariation<F> {
     exemplars: Vec<ExemplarWeight>,
     target: Option<PhotoId>,
     strength: f64,
@@ -33,13 +34,14 @@ struct OldVariation {
     weights: (f64, f64),
     coloring: Coloring,
     like: Option<PhotoId>,
-    around: Option<OldFavourite>,
+    around: Option<F>,
     seed: u64,
     count: u32,
     locked: Vec<u64>,
-    favourites: Vec<OldFavourite>,
+    favourites: Vec<F>,
 }
 
+/// A favourite as it was then.
 #[derive(Deserialize)]
 struct OldFavourite {
     name: String,
@@ -49,86 +51,10 @@ struct OldFavourite {
     like: Option<PhotoId>,
 }
 
-/// The content in `bytes`, packed before there was a mark.
-pub(super) fn content(bytes: &[u8]) -> Option<Content> {
-    // Before there were pins, a content ended where they begin: then there are none.
-    let read: Result<OldContent, _> = postcard::from_bytes(bytes).or_else(|_| {
-        let without_pins = [bytes, &[0]].concat();
-        postcard::from_bytes(&without_pins)
-    });
-    let old = read.ok()?;
-    Some(Content {
-        title: old.title,
-        photos: old.photos,
-        crowns: old.crowns,
-        variation: old.variation.today(),
-        next_photo: old.next_photo,
-        pins: old.pins,
-    })
-}
-
-impl OldVariation {
-    fn today(self) -> VariationSettings {
-        VariationSettings {
-            exemplars: self.exemplars,
-            target: self.target,
-            strength: self.strength,
-            mix: self.mix,
-            weights: self.weights,
-            coloring: self.coloring,
-            like: self.like,
-            around: self.around.map(OldFavourite::today),
-            seed: self.seed,
-            count: self.count,
-            locked: self.locked,
-            favourites: self
-                .favourites
-                .into_iter()
-                .map(OldFavourite::today)
-                .collect(),
-            ..VariationSettings::default()
-        }
-    }
-}
-
-impl OldFavourite {
-    fn today(self) -> Favourite {
-        Favourite {
-            name: self.name,
-            seed: self.seed,
-            exemplars: self.exemplars,
-            color_weights: self.color_weights,
-            like: self.like,
-            finish: Finish::default(),
-        }
-    }
-}
-
-/// A content as it was before outlines were moved (mark 1).
-#[derive(Deserialize)]
-struct UnshapedContent {
-    title: String,
-    photos: BTreeMap<PhotoId, Photo>,
-    crowns: BTreeMap<PhotoId, CrownSettings>,
-    variation: UnshapedVariation,
-    next_photo: u32,
-    pins: BTreeMap<PhotoId, HandPins>,
-}
-
+/// Variations as they were before outlines were moved (mark 1): what came behind the older ones.
 #[derive(Deserialize)]
 struct UnshapedVariation {
-    exemplars: Vec<ExemplarWeight>,
-    target: Option<PhotoId>,
-    strength: f64,
-    mix: u32,
-    weights: (f64, f64),
-    coloring: Coloring,
-    like: Option<PhotoId>,
-    around: Option<UnshapedFavourite>,
-    seed: u64,
-    count: u32,
-    locked: Vec<u64>,
-    favourites: Vec<UnshapedFavourite>,
+    older: OldVariation<UnshapedFavourite>,
     walks: bool,
     season: Option<SeasonChoice>,
     lineage: Vec<UnshapedGeneration>,
@@ -144,11 +70,7 @@ struct UnshapedGeneration {
 
 #[derive(Deserialize)]
 struct UnshapedFavourite {
-    name: String,
-    seed: u64,
-    exemplars: Vec<ExemplarWeight>,
-    color_weights: Vec<f64>,
-    like: Option<PhotoId>,
+    older: OldFavourite,
     finish: UnshapedFinish,
 }
 
@@ -159,77 +81,102 @@ struct UnshapedFinish {
     season: Option<SeasonChoice>,
 }
 
+/// The content in `bytes`, packed before there was a mark.
+pub(super) fn content(bytes: &[u8]) -> Option<Content> {
+    // Before there were pins, a content ended where they begin: then there are none.
+    let read: Result<OldContent<OldVariation<OldFavourite>>, _> = postcard::from_bytes(bytes)
+        .or_else(|_| {
+            let without_pins = [bytes, &[0]].concat();
+            postcard::from_bytes(&without_pins)
+        });
+    Some(read.ok()?.today())
+}
+
 /// The content in `bytes`, packed with mark 1.
 pub(super) fn unshaped_content(bytes: &[u8]) -> Option<Content> {
-    let old: UnshapedContent = postcard::from_bytes(bytes).ok()?;
-    Some(Content {
-        title: old.title,
-        photos: old.photos,
-        crowns: old.crowns,
-        variation: old.variation.today(),
-        next_photo: old.next_photo,
-        pins: old.pins,
-    })
+    let old: OldContent<UnshapedVariation> = postcard::from_bytes(bytes).ok()?;
+    Some(old.today())
 }
 
-impl UnshapedVariation {
-    fn today(self) -> VariationSettings {
-        VariationSettings {
-            exemplars: self.exemplars,
-            target: self.target,
-            strength: self.strength,
-            mix: self.mix,
-            weights: self.weights,
-            coloring: self.coloring,
-            like: self.like,
-            around: self.around.map(UnshapedFavourite::today),
-            seed: self.seed,
-            count: self.count,
-            locked: self.locked,
-            favourites: today(self.favourites),
-            walks: self.walks,
-            season: self.season,
-            lineage: self
-                .lineage
-                .into_iter()
-                .map(UnshapedGeneration::today)
-                .collect(),
+impl<V: Into<VariationSettings>> OldContent<V> {
+    fn today(self) -> Content {
+        Content {
+            title: self.title,
+            photos: self.photos,
+            crowns: self.crowns,
+            variation: self.variation.into(),
+            next_photo: self.next_photo,
+            pins: self.pins,
         }
     }
 }
 
-impl UnshapedGeneration {
-    fn today(self) -> Generation {
-        Generation {
-            parents: today(self.parents),
-            locks: self.locks,
-            seed: self.seed,
-            locked: self.locked,
+impl<F: Into<Favourite>> From<OldVariation<F>> for VariationSettings {
+    fn from(old: OldVariation<F>) -> Self {
+        Self {
+            exemplars: old.exemplars,
+            target: old.target,
+            strength: old.strength,
+            mix: old.mix,
+            weights: old.weights,
+            coloring: old.coloring,
+            like: old.like,
+            around: old.around.map(Into::into),
+            seed: old.seed,
+            count: old.count,
+            locked: old.locked,
+            favourites: old.favourites.into_iter().map(Into::into).collect(),
+            ..Self::default()
         }
     }
 }
 
-fn today(favourites: Vec<UnshapedFavourite>) -> Vec<Favourite> {
-    favourites
-        .into_iter()
-        .map(UnshapedFavourite::today)
-        .collect()
+impl From<UnshapedVariation> for VariationSettings {
+    fn from(old: UnshapedVariation) -> Self {
+        Self {
+            walks: old.walks,
+            season: old.season,
+            lineage: old.lineage.into_iter().map(Into::into).collect(),
+            ..old.older.into()
+        }
+    }
 }
 
-impl UnshapedFavourite {
-    fn today(self) -> Favourite {
-        Favourite {
-            name: self.name,
-            seed: self.seed,
-            exemplars: self.exemplars,
-            color_weights: self.color_weights,
-            like: self.like,
-            finish: Finish {
-                individual: self.finish.individual,
-                shift: self.finish.shift,
-                season: self.finish.season,
-                ..Finish::default()
-            },
+impl From<UnshapedGeneration> for Generation {
+    fn from(old: UnshapedGeneration) -> Self {
+        Self {
+            parents: old.parents.into_iter().map(Into::into).collect(),
+            locks: old.locks,
+            seed: old.seed,
+            locked: old.locked,
+        }
+    }
+}
+
+impl From<OldFavourite> for Favourite {
+    fn from(old: OldFavourite) -> Self {
+        Self {
+            name: old.name,
+            seed: old.seed,
+            exemplars: old.exemplars,
+            color_weights: old.color_weights,
+            like: old.like,
+            finish: Finish::default(),
+        }
+    }
+}
+
+impl From<UnshapedFavourite> for Favourite {
+    fn from(old: UnshapedFavourite) -> Self {
+        let finish = Finish {
+            individual: old.finish.individual,
+            shift: old.finish.shift,
+            season: old.finish.season,
+            ..Finish::default()
+        };
+        Self {
+            finish,
+            ..old.older.into()
         }
     }
 }

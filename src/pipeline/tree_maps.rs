@@ -12,7 +12,7 @@
 //! painted into the picture is not taken out of its colours.
 
 use crate::base::{Cancel, Cancelled, Progress};
-use crate::crown::{Domain, Inflation, InflationError, ReliefSettings, relief};
+use crate::crown::{Domain, Inflation, InflationError, ReliefSettings, luminance, relief};
 use crate::raster::{Image, Mask, Straight, closed_and_filled, opaque_bounds, scaled};
 use rayon::prelude::*;
 
@@ -129,7 +129,7 @@ impl TreeMaps {
                     let slope = limited([dx + leaf * lx, dy + leaf * ly]);
                     normals[x] = encoded_normal(slope);
                     let height = surface.at(x) * per_pixel;
-                    let light = luma(pixel);
+                    let light = luminance(pixel);
                     let depth = thickness.at(x) * per_pixel / longer_px;
                     // A quarter of the tree's width lets a third through.
                     let through = libm::expf(-4.0 * depth) * (0.35 + 0.65 * light);
@@ -382,17 +382,11 @@ fn b_spline_slope(t: f32) -> [f32; 4] {
     ]
 }
 
-/// Luminance, 0 … 1, of the stored values.
-fn luma(pixel: Straight) -> f32 {
-    let [r, g, b, _] = pixel.0.map(f32::from);
-    (0.2126 * r + 0.7152 * g + 0.0722 * b) / 255.0
-}
-
 /// Luminance of each pixel, no number where it does not show.
 fn lights(image: &Image<Straight>) -> Image<f32> {
     image.map(|&pixel| {
         if pixel.alpha() >= 128 {
-            luma(pixel)
+            luminance(pixel)
         } else {
             f32::NAN
         }

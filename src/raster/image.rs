@@ -32,6 +32,34 @@ impl Straight {
     pub fn alpha(self) -> u8 {
         self.0[3]
     }
+
+    /// Rec. 709 luma of the stored colour, 0 … 255; alpha has no part in it.
+    #[inline]
+    pub fn luma(self) -> f32 {
+        let [r, g, b, _] = self.0.map(f32::from);
+        0.2126 * r + 0.7152 * g + 0.0722 * b
+    }
+
+    /// This pixel laid over `under`.
+    ///
+    /// ```
+    /// use boscage::raster::Straight;
+    /// let half = Straight([200, 0, 0, 128]);
+    /// assert_eq!(half.over(Straight([0, 0, 0, 0])), half);
+    /// assert_eq!(half.over(Straight([0, 0, 0, 255])), Straight([100, 0, 0, 255]));
+    /// ```
+    pub fn over(self, under: Self) -> Self {
+        let [a, b] = [self, under].map(|pixel| f32::from(pixel.alpha()) / 255.0);
+        let alpha = a + b * (1.0 - a);
+        if alpha <= 0.0 {
+            return Self([0; 4]);
+        }
+        let mixed = |c: usize| {
+            let value = f32::from(self.0[c]) * a + f32::from(under.0[c]) * b * (1.0 - a);
+            (value / alpha + 0.5) as u8
+        };
+        Self([mixed(0), mixed(1), mixed(2), (255.0 * alpha + 0.5) as u8])
+    }
 }
 
 impl Premultiplied {

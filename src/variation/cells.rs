@@ -43,23 +43,17 @@ const TIP: f64 = 0.6;
 const RAGGED: f32 = 0.3;
 const RAG: f64 = 0.09;
 
-/// The foliage of `tree` with every cell from where it fits best, `strength` saying how many change. The
-/// trees are the one as it is to be, swayed, and the one as it was.
+/// The foliage of a tree with every cell from where it fits best, `strength` saying how many change.
 ///
 /// # Errors
 /// [`Cancelled`].
 pub(super) fn regrown(
-    (swayed, tree, habit): (&Tree, &Tree, &Habit),
+    both: Both<'_>,
     grid: &Grid,
     strength: f64,
     seed: Seed,
     cancel: &Cancel,
 ) -> Result<Tree, Cancelled> {
-    let both = Both {
-        swayed,
-        tree,
-        habit,
-    };
     let patches = (0..grid.cells.len()).into_par_iter().map(|cell| {
         cancel.check()?;
         let mut random = seed.derive("cell", cell as u64).random();
@@ -131,10 +125,10 @@ impl Grid {
 
 /// The tree as it is to be, swayed, and as it was, whose leaves are not drawn out: patches come from there.
 #[derive(Clone, Copy)]
-struct Both<'a> {
-    swayed: &'a Tree,
-    tree: &'a Tree,
-    habit: &'a Habit,
+pub(super) struct Both<'a> {
+    pub(super) swayed: &'a Tree,
+    pub(super) tree: &'a Tree,
+    pub(super) habit: &'a Habit,
 }
 
 /// Where a cell takes its foliage from.
@@ -239,8 +233,8 @@ impl Patch {
             alpha += (a - b).abs() / 255.0;
             if a.min(b) > 128.0 {
                 lit += 1.0;
-                own_light += f64::from(light(own));
-                other_light += f64::from(light(other));
+                own_light += f64::from(own.luma());
+                other_light += f64::from(other.luma());
                 let difference = |c: usize| f64::from(own.0[c].abs_diff(other.0[c]));
                 color += (difference(0) + difference(1) + difference(2)) / 765.0;
             }
@@ -274,11 +268,6 @@ fn along_bough(habit: &Habit, to: [f64; 2], y: f64, share: f64, side: f64) -> (f
 fn share_changed(strength: f64) -> f64 {
     let rest = 1.0 - strength.clamp(0.0, 1.0);
     1.0 - rest * rest * rest
-}
-
-fn light(pixel: Straight) -> f32 {
-    let [r, g, b, _] = pixel.0.map(f32::from);
-    0.2126 * r + 0.7152 * g + 0.0722 * b
 }
 
 /// The picture and its labels with every cell from where its patch says.
@@ -319,7 +308,7 @@ fn composed(
                         continue;
                     }
                     let shown = f32::from(other.alpha()) / 255.0;
-                    let front = shown * (0.25 + 0.75 * (light(other) + patch.lift) / 255.0);
+                    let front = shown * (0.25 + 0.75 * (other.luma() + patch.lift) / 255.0);
                     let claim = OVERLAP * front - distance / side + rags.at(cell, x, y);
                     if claim > best.0 {
                         best = (claim, lifted(other, patch.lift), other_label);
@@ -365,7 +354,7 @@ impl Rags {
 fn lifted(pixel: Straight, lift: f32) -> Straight {
     let [r, g, b, alpha] = pixel.0;
     // By a factor: shade keeps its colour.
-    let own = light(pixel).max(8.0);
+    let own = pixel.luma().max(8.0);
     let factor = ((own + lift) / own).clamp(0.6, 1.6);
     let scaled = |value: u8| (f32::from(value) * factor + 0.5).min(255.0) as u8;
     Straight([scaled(r), scaled(g), scaled(b), alpha])

@@ -90,6 +90,12 @@ pub struct Chosen {
 }
 
 impl Chosen {
+    /// The part that gives most by `weight`; of equals the first.
+    pub fn giver(&self, weight: impl Fn(&Part) -> f64) -> Option<&Part> {
+        let parts = self.parts.iter().rev();
+        parts.max_by(|a, b| weight(a).total_cmp(&weight(b)))
+    }
+
     /// The tree of the given `parts` of `shapes`.
     ///
     /// # Errors

@@ -39,8 +39,7 @@ impl SeasonChoice {
     /// most of its colours is by its name.
     #[must_use]
     pub fn of_tree(self, chosen: &Chosen, library: &Library<'_>) -> Self {
-        let heavier = chosen.parts.iter().rev();
-        let giver = heavier.max_by(|a, b| a.color_weight.total_cmp(&b.color_weight));
+        let giver = chosen.giver(|part| part.color_weight);
         let name = giver.map(|part| library.entries()[part.exemplar].file_name());
         name.map_or(self, |name| self.of_picture(&name))
     }
@@ -76,8 +75,7 @@ impl Finish {
     /// All that for the tree `chosen`: what the names of its pictures tell is known.
     #[must_use]
     pub fn of_tree(self, chosen: &Chosen, library: &Library<'_>) -> Self {
-        let heavier = chosen.parts.iter().rev();
-        let giver = heavier.max_by(|a, b| a.contour_weight.total_cmp(&b.contour_weight));
+        let giver = chosen.giver(|part| part.contour_weight);
         let name = giver.map(|part| library.entries()[part.exemplar].file_name());
         Self {
             has_fronds: name.is_some_and(|name| has_fronds(&name)),

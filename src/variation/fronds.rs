@@ -9,53 +9,35 @@
 //!
 //! Limits: one heart, the top of the stem's label; a frond that crosses straight below the heart stays.
 
-use super::Tree;
+use super::fan::{Fan, Heart, on_circle};
 use super::noise::Noise;
 use super::sway::between_pixels;
+use super::{Tree, named};
 use crate::base::{Cancel, Cancelled, Random};
 use crate::raster::{Image, Mask, Straight, dilated, smoothed_within};
 use crate::segment::Label;
 use rayon::prelude::*;
-use std::f64::consts::{PI, TAU};
 
 /// Words in names of pictures by which palms, and what grows like them, are known.
-const WORDS: [&str; 12] = [
-    "palm",
-    "palme",
-    "palmier",
-    "phoenix",
-    "cocos",
-    "coconut",
-    "washingtonia",
-    "trachycarpus",
-    "cycad",
-    "cycas",
-    "dracaena",
-    "yucca",
+const WORDS: [(&str, bool); 10] = [
+    // Leaves like hands.
+    ("palmate", false),
+    ("palm", true),
+    ("phoenix", true),
+    ("cocos", true),
+    ("coconut", true),
+    ("washingtonia", true),
+    ("trachycarpus", true),
+    ("cyca", true),
+    ("dracaena", true),
+    ("yucca", true),
 ];
 
-/// Directions that are told apart about a heart.
-const DIRECTIONS: usize = 720;
-
-/// Waves around the heart: how fronds close up, reach, hang, and which layer is in front.
-const WAVES: [f64; 4] = [4.0, 6.0, 4.0, 5.0];
-
-/// How much fronds close up or open out: logarithm of the density, at full strength and at most.
-const CLOSER: f64 = 0.7;
-const CLOSEST: f64 = 0.36;
-
-/// How much farther or less far fronds reach, as a share.
-const REACH: f64 = 0.15;
+/// Waves around the heart in which one layer or the other is in front.
+const WAVES: f64 = 5.0;
 
 /// How much shorter the second layer is: fewer of its fronds stand out.
 const SHORTER: f64 = 0.18;
-
-/// How much all fronds hang more or less, and each by itself, radians at their tips.
-const DROOP: f64 = 0.22;
-const OWN_DROOP: f64 = 0.12;
-
-/// Share of the crown's reach within which the turn grows from nothing: stalks do not swirl.
-const HEARTWOOD: f64 = 0.6;
 
 /// How much the light of a frond counts for its being in front, against the waves'.
 const LIGHT: f32 = 1.0;
@@ -73,10 +55,6 @@ const LEAST_LIKE: f64 = 0.6;
 /// Width of a stem's soft edges, as a share of the picture's side.
 const SOFT_EDGE: f64 = 0.006;
 
-/// Width of the directions about straight down that stay, radians, and how softly.
-const STEM: f64 = 0.25;
-const SOFT: f64 = 0.55;
-
 /// Whether the name of a picture says that its tree's crown is of fronds.
 ///
 /// ```
@@ -85,11 +63,7 @@ const SOFT: f64 = 0.55;
 /// assert!(!has_fronds("maple_palmate.png"));
 /// ```
 pub fn has_fronds(name: &str) -> bool {
-    let name = name.to_lowercase();
-    let mut words = name.split(|c: char| !c.is_alphabetic());
-    words.any(|word| {
-        WORDS.contains(&word.strip_suffix('s').unwrap_or(word)) || WORDS.contains(&word)
-    })
+    named(name, &WORDS).unwrap_or(false)
 }
 
 /// Turns the fronds of `tree` about its heart; whether it has one. The same draws are made whatever the
@@ -116,6 +90,8 @@ pub(super) fn turned(
     let fronds = without(&tree.image, &stem);
     let light = light(&fronds, LEAFLET * heart.reach, cancel)?;
     let has_second = heart.likeness(&fronds) >= LEAST_LIKE;
+    // From a quarter of the strength on all of it.
+    let second_share = (4.0 * strength).min(1.0);
     let width = tree.image.width() as usize;
     let below = tree.clone();
     let rows = tree.image.pixels_mut().par_chunks_mut(width);
@@ -134,13 +110,13 @@ pub(super) fn turned(
                 let (own, own_light) = seen(&first, 1.0);
                 let crown = if has_second {
                     let (other, other_light) = seen(&second, -1.0);
-                    let wave = (on_circle(&order, WAVES[3], at[1]) * strength) as f32;
+                    let wave = (on_circle(&order, WAVES, at[1]) * strength) as f32;
                     // Without strength the first hides the second.
                     let ahead = WAVE * wave - (1.0 - strength) as f32;
                     if LIGHT * (other_light - own_light) + ahead > 0.0 {
-                        over(other, dimmed(own))
+                        other.over(dimmed(own, 1.0))
                     } else {
-                        over(own, dimmed_by(other, strength))
+                        own.over(dimmed(other, second_share))
                     }
                 } else {
                     own
@@ -151,7 +127,7 @@ pub(super) fn turned(
                     false => Straight([0; 4]),
                 };
                 let is_stem = below.labels.at(x, y) == Label::Trunk;
-                *pixel = over(crown, behind);
+                *pixel = crown.over(behind);
                 *label = match (crown.alpha() >= 96, is_stem) {
                     (true, _) => Label::Crown,
                     (false, true) => Label::Trunk,
@@ -161,203 +137,6 @@ pub(super) fn turned(
             Ok(())
         })?;
     Ok(true)
-}
-
-/// Where fronds grow from: the top of the stem.
-struct Heart {
-    /// Pixels.
-    at: [f64; 2],
-    /// How far fronds reach, pixels: nearly all and, direction by direction, all.
-    reach: f64,
-    outline: Vec<f64>,
-}
-
-impl Heart {
-    /// That of `tree`; `None` without a stem or fronds.
-    fn of(tree: &Tree) -> Option<Self> {
-        let width = tree.image.width() as usize;
-        let seen = |wanted: Label| {
-            let places = tree
-                .labels
-                .pixels()
-                .iter()
-                .zip(tree.image.pixels())
-                .enumerate();
-            let places =
-                places.filter(move |(_, (label, pixel))| **label == wanted && pixel.alpha() >= 96);
-            places.map(move |(i, _)| [(i % width) as f64, (i / width) as f64])
-        };
-        // Row by row from the top: the first few of a hundred are the stem's end.
-        let stem: Vec<[f64; 2]> = seen(Label::Trunk).collect();
-        let top = stem[..].get(stem.len() / 50)?[1];
-        let end: Vec<f64> = stem
-            .iter()
-            .filter(|place| place[1] <= top)
-            .map(|place| place[0])
-            .collect();
-        let at = [end.iter().sum::<f64>() / end.len() as f64, top];
-        let mut heart = Self {
-            at,
-            reach: 0.0,
-            outline: vec![0.0; DIRECTIONS],
-        };
-        let mut lengths = Vec::new();
-        for place in seen(Label::Crown) {
-            let [length, angle] = heart.polar(place);
-            let direction = &mut heart.outline[direction(angle) as usize % DIRECTIONS];
-            *direction = direction.max(length);
-            lengths.push(length);
-        }
-        let most = lengths.len() * 97 / 100;
-        (!lengths.is_empty()).then(|| {
-            heart.reach = lengths
-                .select_nth_unstable_by(most, f64::total_cmp)
-                .1
-                .max(1.0);
-            heart
-        })
-    }
-
-    /// Distance and angle of a place, pixels and radians from straight up, clockwise.
-    fn polar(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        let (dx, dy) = (x - self.at[0], y - self.at[1]);
-        [dx.hypot(dy), libm::atan2(dx, -dy)]
-    }
-
-    /// The place there, `side` -1 in the mirror.
-    fn place(&self, [length, angle]: [f64; 2], side: f64) -> [f64; 2] {
-        [
-            self.at[0] + side * length * libm::sin(angle),
-            self.at[1] - length * libm::cos(angle),
-        ]
-    }
-
-    /// The farthest that fronds reach about as far round as `angle`.
-    fn reach_near(&self, angle: f64) -> f64 {
-        /// Directions on either side.
-        const NEAR: usize = DIRECTIONS / 30;
-        let middle = direction(angle) as usize + DIRECTIONS;
-        let near = (middle - NEAR..=middle + NEAR).map(|at| self.outline[at % DIRECTIONS]);
-        near.fold(1.0, f64::max)
-    }
-
-    /// Intersection over union of the crown and its mirror image.
-    fn likeness(&self, fronds: &Image<Straight>) -> f64 {
-        let is_leaf = |x: i64, y: i64| fronds.get(x, y).is_some_and(|pixel| pixel.alpha() >= 96);
-        let twice = (2.0 * self.at[0] + 0.5).floor() as i64;
-        let (mut both, mut any) = (0u64, 0u64);
-        for y in 0..i64::from(fronds.height()) {
-            for x in 0..i64::from(fronds.width()) {
-                let (own, other) = (is_leaf(x, y), is_leaf(twice - x, y));
-                both += u64::from(own && other);
-                any += u64::from(own || other);
-            }
-        }
-        both as f64 / any.max(1) as f64
-    }
-}
-
-/// How a layer of fronds is turned, direction by direction.
-struct Fan {
-    /// The angle that each comes from, and how many times as far from the heart.
-    angle: Vec<f64>,
-    farther: Vec<f64>,
-    /// How much it hangs, radians at the tip.
-    droop: Vec<f64>,
-}
-
-impl Fan {
-    fn new(shorter: f64, strength: f64, random: &mut Random) -> Self {
-        let [closer, reach, droop] = [0; 3].map(|_| Noise::new(random));
-        let all_hang = DROOP * random.between(-1.0, 1.0);
-        let each = |i: usize| TAU * i as f64 / DIRECTIONS as f64 - PI;
-        let density = |i: usize| {
-            let angle = each(i);
-            let wave = strength * CLOSER * on_circle(&closer, WAVES[0], angle);
-            libm::exp(wave.clamp(-CLOSEST, CLOSEST) * free(angle))
-        };
-        let mut sums = vec![0.0];
-        for i in 0..DIRECTIONS {
-            sums.push(sums[i] + 0.5 * (density(i) + density(i + 1)));
-        }
-        let whole = sums[DIRECTIONS];
-        let farther = |i: usize| {
-            let wave = strength * REACH * on_circle(&reach, WAVES[1], each(i));
-            1.0 + (1.0 / (1.0 - shorter + wave) - 1.0) * free(each(i))
-        };
-        let hangs = |i: usize| {
-            let own = OWN_DROOP * on_circle(&droop, WAVES[2], each(i));
-            strength * (all_hang * libm::sin(each(i)) + own) * free(each(i))
-        };
-        Self {
-            angle: sums.iter().map(|sum| TAU * sum / whole - PI).collect(),
-            farther: (0..=DIRECTIONS).map(farther).collect(),
-            droop: (0..=DIRECTIONS).map(hangs).collect(),
-        }
-    }
-
-    /// The fan with fronds no longer than the picture has room for.
-    fn within(mut self, heart: &Heart, [right, bottom]: [f64; 2]) -> Self {
-        for i in 0..=DIRECTIONS {
-            let angle = TAU * i as f64 / DIRECTIONS as f64 - PI;
-            let (sin, cos) = (libm::sin(angle), libm::cos(angle));
-            let [x, y] = heart.at;
-            let across = if sin > 0.0 {
-                (right - x) / sin
-            } else {
-                x / (-sin).max(1e-9)
-            };
-            let down = if cos > 0.0 {
-                y / cos
-            } else {
-                (bottom - y) / (-cos).max(1e-9)
-            };
-            let room = across.min(down).max(1.0);
-            let needed = heart
-                .reach_near(self.angle[i])
-                .max(heart.reach_near(-self.angle[i]));
-            // What reaches the frame already may stay as it is.
-            let needed = (needed / room).min(1.0);
-            self.farther[i] = self.farther[i].max(needed);
-        }
-        self
-    }
-
-    /// Where a place of the new crown comes from; both as distance and angle.
-    fn source(&self, heart: &Heart, [length, angle]: [f64; 2]) -> [f64; 2] {
-        let out = length / heart.reach;
-        let share = (out / HEARTWOOD).min(1.0);
-        let share = share * share * (3.0 - 2.0 * share);
-        let at = direction(angle);
-        let turn = between(&self.angle, at) - angle;
-        let hangs = between(&self.droop, at) * out.min(1.3) * out.min(1.3);
-        [
-            length * between(&self.farther, at),
-            angle + share * turn - hangs,
-        ]
-    }
-}
-
-/// How free fronds are to move in a direction: not straight down, where the stem is.
-fn free(angle: f64) -> f64 {
-    ((PI - STEM - angle.abs()) / SOFT).clamp(0.0, 1.0)
-}
-
-/// The direction of an angle, 0 (straight down) to [`DIRECTIONS`].
-fn direction(angle: f64) -> f64 {
-    ((angle + PI) / TAU * DIRECTIONS as f64).clamp(0.0, DIRECTIONS as f64)
-}
-
-/// The value between those of two directions.
-fn between(values: &[f64], at: f64) -> f64 {
-    let first = (at as usize).min(DIRECTIONS - 1);
-    values[first] + (values[first + 1] - values[first]) * (at - first as f64)
-}
-
-/// Noise around a circle, -1 to 1, of about so many waves.
-fn on_circle(noise: &Noise, waves: f64, angle: f64) -> f64 {
-    let radius = waves / PI;
-    2.0 * noise.at([radius * libm::cos(angle), radius * libm::sin(angle)]) - 1.0
 }
 
 /// The stem with its soft edges.
@@ -386,34 +165,16 @@ fn without(image: &Image<Straight>, mask: &Mask) -> Image<Straight> {
 
 /// How light fronds are, 0 to 1, smoothed; where there are none 0.
 fn light(fronds: &Image<Straight>, sigma: f64, cancel: &Cancel) -> Result<Image<f32>, Cancelled> {
-    let light = fronds.map(|pixel| {
-        let [r, g, b, a] = pixel.0.map(|value| f32::from(value) / 255.0);
-        (0.2126 * r + 0.7152 * g + 0.0722 * b) * a
-    });
+    let light = fronds.map(|pixel| pixel.luma() / 255.0 * f32::from(pixel.alpha()) / 255.0);
     smoothed_within(&light, &light.map(|_| true), sigma, cancel)
 }
 
-/// `front` over `back`.
-fn over(front: Straight, back: Straight) -> Straight {
-    let (front, back) = (front.premultiplied().0, back.premultiplied().0);
-    let clear = 255 - u32::from(front[3]);
-    let sum = |c: usize| u32::from(front[c]) + (u32::from(back[c]) * clear + 127) / 255;
-    crate::raster::Premultiplied([0, 1, 2, 3].map(|c| sum(c).min(255) as u8)).straight()
-}
-
-/// As it is behind another frond.
-fn dimmed(pixel: Straight) -> Straight {
+/// As it is behind another frond, `share` of it seen.
+fn dimmed(pixel: Straight, share: f64) -> Straight {
     let [r, g, b, alpha] = pixel.0;
     let scaled = |value: u8| (f32::from(value) * BEHIND + 0.5) as u8;
+    let alpha = (f64::from(alpha) * share + 0.5) as u8;
     Straight([scaled(r), scaled(g), scaled(b), alpha])
-}
-
-/// The same, seen as much as `strength` says.
-fn dimmed_by(pixel: Straight, strength: f64) -> Straight {
-    let Straight([r, g, b, alpha]) = dimmed(pixel);
-    // From a quarter of the strength on all of it.
-    let share = (4.0 * strength).min(1.0);
-    Straight([r, g, b, (f64::from(alpha) * share + 0.5) as u8])
 }
 
 #[cfg(test)]
@@ -482,14 +243,5 @@ mod tests {
         };
         let steps = [0.0, 0.1, 0.4, 1.0].map(far);
         assert!(steps.is_sorted(), "{steps:?}");
-    }
-
-    #[test]
-    fn fans_keep_their_order() {
-        for seed in 0..20 {
-            let fan = Fan::new(0.0, 1.0, &mut Seed(seed).random());
-            assert!(fan.angle.is_sorted());
-            assert!((fan.angle[0] + PI).abs() < 1e-9 && (fan.angle[DIRECTIONS] - PI).abs() < 1e-9);
-        }
     }
 }

@@ -9,14 +9,14 @@
 //!
 //! Limits: the trunk and the few limbs that cross the whole crown stay or are cut.
 
-use super::cells::{Grid, cell_side, regrown};
+use super::cells::{Both, Grid, cell_side, regrown};
 use super::finish::Reshaping;
 use super::fronds;
 use super::habit::Habit;
 use super::noise::Noise;
 use super::rim::{clear_loose_leaves, within_outline};
 use super::stem::rebarked;
-use super::sway::{Boughs, reshaped, swayed};
+use super::sway::{Boughs, swayed};
 use super::{HslShift, Tree};
 use crate::base::{Cancel, Cancelled, Seed};
 use crate::raster::{Image, opaque_bounds};
@@ -85,13 +85,17 @@ pub fn make_individual(
     let turn = &mut seed.derive("fronds", 0).random();
     if has_fronds && fronds::turned(tree, strength, turn, cancel)? {
         let stance = (&habit, None);
-        *tree = swayed(tree, stance, grid.side, strength, &mut random, cancel)?;
+        *tree = swayed(tree, stance, grid.side, [strength; 2], &mut random, cancel)?;
     } else {
         let boughs = Boughs::new(&mut seed.derive("boughs", 0).random());
         let stance = (&habit, Some(&boughs));
-        let outline = swayed(tree, stance, grid.side, strength, &mut random, cancel)?;
-        let from = (&outline, &*tree, &habit);
-        let grown = regrown(from, &grid, strength, seed, cancel)?;
+        let outline = swayed(tree, stance, grid.side, [strength; 2], &mut random, cancel)?;
+        let both = Both {
+            swayed: &outline,
+            tree,
+            habit: &habit,
+        };
+        let grown = regrown(both, &grid, strength, seed, cancel)?;
         let whole = (&outline, &habit);
         let (mut made, inside) = within_outline(whole, &grown, grid.side, &mut random, cancel)?;
         clear_loose_leaves(&mut made, &inside, grid.side);
@@ -126,7 +130,7 @@ pub fn reshape(
     let boughs = Boughs::new(&mut random);
     let side = cell_side(crown.count());
     let stance = (&habit, Some(&boughs));
-    *tree = reshaped(tree, stance, side, strength, &mut random, cancel)?;
+    *tree = swayed(tree, stance, side, [strength, 0.0], &mut random, cancel)?;
     Ok(())
 }
 

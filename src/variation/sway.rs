@@ -78,38 +78,12 @@ const NODES: f64 = 6.0;
 const CLOSED: f64 = 0.16;
 
 /// `tree`, which has that habit and is to have those boughs, with its crown moved; without boughs the crown
-/// only goes with its stem. `side` is the size of a cell, pixels.
+/// only goes with its stem. `side` is the size of a cell, pixels; the strengths are that of the crown and that
+/// of the stem.
 ///
 /// # Errors
 /// [`Cancelled`].
 pub(super) fn swayed(
-    tree: &Tree,
-    stance: (&Habit, Option<&Boughs>),
-    side: f64,
-    strength: f64,
-    random: &mut Random,
-    cancel: &Cancel,
-) -> Result<Tree, Cancelled> {
-    moved(tree, stance, side, [strength; 2], random, cancel)
-}
-
-/// The same with its stem where it was.
-///
-/// # Errors
-/// [`Cancelled`].
-pub(super) fn reshaped(
-    tree: &Tree,
-    stance: (&Habit, Option<&Boughs>),
-    side: f64,
-    strength: f64,
-    random: &mut Random,
-    cancel: &Cancel,
-) -> Result<Tree, Cancelled> {
-    moved(tree, stance, side, [strength, 0.0], random, cancel)
-}
-
-/// `tree` with its crown and its stem moved, each as much as it is told.
-fn moved(
     tree: &Tree,
     (habit, boughs): (&Habit, Option<&Boughs>),
     side: f64,

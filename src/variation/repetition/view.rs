@@ -83,8 +83,7 @@ fn framed(tree: &Image<Premultiplied>, longer: f64, side: u32) -> Image<Premulti
 
 /// Luminance, 0 to 1, of the colour without alpha.
 pub(super) fn luma(pixel: Premultiplied) -> f32 {
-    let [r, g, b, _] = pixel.straight().0.map(f32::from);
-    (0.2126 * r + 0.7152 * g + 0.0722 * b) / 255.0
+    pixel.straight().luma() / 255.0
 }
 
 /// `values` between the two Gaussians of `band`, within `mask`; 0 outside.

@@ -4,7 +4,7 @@ use super::leaves::Leaves;
 use crate::base::{Cancel, Cancelled};
 use crate::raster::Mask;
 use crate::segment::Label;
-use crate::variation::Tree;
+use crate::variation::{Tree, named};
 
 /// Words in names of pictures, and whether such trees are evergreen. The first that occurs counts;
 /// deciduous conifers stand before conifers.
@@ -51,10 +51,7 @@ const WORDS: [(&str, bool); 31] = [
 /// assert_eq!(named_evergreen("IMG_2031.png"), None);
 /// ```
 pub fn named_evergreen(name: &str) -> Option<bool> {
-    let name = name.to_lowercase();
-    let words: Vec<&str> = name.split(|c: char| !c.is_alphabetic()).collect();
-    let is_in_name = |word: &&(&str, bool)| words.iter().any(|own| own.starts_with(word.0));
-    WORDS.iter().find(is_in_name).map(|word| word.1)
+    named(name, &WORDS)
 }
 
 /// Whether the tree looks like a conifer: its crown tapers to a tip from a broad foot, and is green

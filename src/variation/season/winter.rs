@@ -53,7 +53,7 @@ pub(super) fn undress(
     }
     drop_leaves(tree, leaves, amount, seed);
     for (pixel, limb) in tree.image.pixels_mut().iter_mut().zip(limbs.pixels()) {
-        *pixel = over(*pixel, *limb);
+        *pixel = pixel.over(*limb);
     }
     for (label, pixel) in tree.labels.pixels_mut().iter_mut().zip(tree.image.pixels()) {
         if *label == Label::Background && pixel.alpha() >= 128 {
@@ -92,23 +92,6 @@ fn drop_leaves(tree: &mut Tree, leaves: &Leaves, amount: f64, seed: Seed) {
             pixel.0[3] = 0;
         }
     }
-}
-
-/// `top` over `under`, both straight.
-fn over(top: Straight, under: Straight) -> Straight {
-    let (a, b) = (
-        f32::from(top.alpha()) / 255.0,
-        f32::from(under.alpha()) / 255.0,
-    );
-    let alpha = a + b * (1.0 - a);
-    if alpha <= 0.0 {
-        return Straight([0; 4]);
-    }
-    let mixed = |c: usize| {
-        let value = f32::from(top.0[c]) * a + f32::from(under.0[c]) * b * (1.0 - a);
-        (value / alpha + 0.5) as u8
-    };
-    Straight([mixed(0), mixed(1), mixed(2), (255.0 * alpha + 0.5) as u8])
 }
 
 /// Colours of the trunk from shade to light.
@@ -367,7 +350,7 @@ impl Piece {
                 let rank = f64::from((rank * self.light).clamp(0.0, 1.0));
                 let [r, g, b] = colors::ramp_of(bark[0], bark[1], bark[2], rank);
                 let own = Straight([r, g, b, (255.0 * cover + 0.5) as u8]);
-                image.set(x, y, over(own, image.at(x, y)));
+                image.set(x, y, own.over(image.at(x, y)));
             }
         }
     }

@@ -177,7 +177,7 @@ fn a_spruce_stays_a_spire() {
     for name in CONIFERS {
         let own = Spire::of(&plain(&library, name));
         // Boughs that are kept whole stand out here and there.
-        for (strength, lumps) in [(0.7, 0.16), (1.0, 0.2)] {
+        for (strength, lumps) in [(0.7, 0.12), (1.0, 0.2)] {
             for (seed, tree) in individuals(&library, name, strength, 6).iter().enumerate() {
                 let new = Spire::of(tree);
                 let slender = new.aspect / own.aspect;

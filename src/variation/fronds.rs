@@ -4,8 +4,9 @@
 //! crowns are (`individual`), they would lie about in pieces. So the picture is turned about the heart
 //! instead, in polar coordinates: fronds close up or open out like a fan whose order stays (the turn grows
 //! with the angle, so nothing folds), each with a length and a droop of its own. A second layer, the same
-//! crown mirrored and turned otherwise, stands partly before the first and partly behind it: of two fronds
-//! the lighter is in front. Where the crown is not alike on both sides (twin palms) it is left out.
+//! crown mirrored and turned otherwise, stands before the first in some directions and behind it in others;
+//! where both could be, the lighter frond is in front. Where the crown is not alike on both sides (twin
+//! palms) it is left out.
 //!
 //! Limits: one heart, the top of the stem's label; a frond that crosses straight below the heart stays.
 
@@ -39,15 +40,15 @@ const WAVES: f64 = 5.0;
 /// How much shorter the second layer is: fewer of its fronds stand out.
 const SHORTER: f64 = 0.18;
 
-/// How much the light of a frond counts for its being in front, against the waves'.
-const LIGHT: f32 = 1.0;
-const WAVE: f32 = 0.25;
+/// How much the light of a frond counts for its being in front, against the wave's height of 1: less, or
+/// bright tips of a layer lie about as islands.
+const LIGHT: f32 = 0.7;
 
 /// Light of what lies behind.
 const BEHIND: f32 = 0.8;
 
 /// Standard deviation over which light is compared, as a share of the crown's reach.
-const LEAFLET: f64 = 0.012;
+const LEAFLET: f64 = 0.02;
 
 /// Least likeness (intersection over union) of a crown with its mirror image for a second layer.
 const LEAST_LIKE: f64 = 0.6;
@@ -110,10 +111,10 @@ pub(super) fn turned(
                 let (own, own_light) = seen(&first, 1.0);
                 let crown = if has_second {
                     let (other, other_light) = seen(&second, -1.0);
-                    let wave = (on_circle(&order, WAVES, at[1]) * strength) as f32;
+                    let wave = on_circle(&order, WAVES, at[1]) as f32;
                     // Without strength the first hides the second.
-                    let ahead = WAVE * wave - (1.0 - strength) as f32;
-                    if LIGHT * (other_light - own_light) + ahead > 0.0 {
+                    let ahead = wave + LIGHT * (other_light - own_light);
+                    if ahead > 1.0 - strength as f32 {
                         other.over(dimmed(own, 1.0))
                     } else {
                         own.over(dimmed(other, second_share))

@@ -45,7 +45,7 @@ const BROAD: f64 = 0.27;
 const SPREAD: f64 = 0.22;
 
 /// Length and height of the waves in which its tiers move up and down, in cell sizes.
-const TIERS: [[f64; 2]; 2] = [[3.0, 1.15], [1.3, 0.4]];
+const TIERS: [[f64; 2]; 2] = [[3.6, 1.35], [1.4, 0.3]];
 
 /// How much its boughs rise or hang, as a slope.
 const DROOP: f64 = 0.2;

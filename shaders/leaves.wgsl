@@ -1,7 +1,8 @@
 // The leaf crown (thesis 5.2); src/render/cpu/leaves.rs is its twin.
 //
 // Six corners a leaf, all leaves of a crown in one instance. Leaves are parallel to the picture's
-// plane: each is a square on the screen with one depth.
+// plane: each is a square on the screen with one depth. Fronds are long instead, from the crown's heart to
+// its surface, bent upwards.
 
 // Points of the unit ball, best prefix first, in rows of 64.
 @group(2) @binding(0) var points: texture_2d<f32>;
@@ -27,6 +28,9 @@ struct Leaf {
     @location(6) @interpolate(flat) turn: vec2<f32>,
     // Share of the samples; how far the leaf may reach beyond the surface, as a factor.
     @location(7) @interpolate(flat) fade: vec2<f32>,
+    // Halves of the side by halves of the width; how far the middle of a rib lies aside of its ends, in
+    // halves of the width.
+    @location(8) @interpolate(flat) shape: vec2<f32>,
 }
 
 // Share of the leaves that are growing.
@@ -41,6 +45,11 @@ const FREEST: f32 = 0.6;
 const KEPT_RADIUS: f32 = 100.0;
 const FREE_RADIUS: f32 = 320.0;
 const SPREAD: f32 = 0.55;
+// Height of a frond's arch by how far it reaches aside; its width by its length, and its shortest length by
+// its width.
+const ARCH: f32 = 0.21;
+const SLENDER: f32 = 0.36;
+const SHORTEST: f32 = 0.5;
 
 fn nothing() -> Leaf {
     var leaf: Leaf;
@@ -92,12 +101,16 @@ fn corner(@builtin(vertex_index) vertex: u32, in: Crown) -> Leaf {
     let direction = drawn_out * (1.0 / max(sqrt(dot(drawn_out, drawn_out)), 1e-6));
     let shape_level = max(crown.radius_levels, 4u) - 4u;
     let reach = radius_at(direction, max(crown.radius_levels, 6u) - 6u);
+    let rib = direction * (STANDS_OUT * reach * grown * min(0.6 + 0.4 * vary, 1.0));
     var point = ball * crown.radius_range.y;
-    if frame.leaf_clip == 0u {
+    if frame.fronds != 0u {
+        point = rib * 0.5;
+    } else if frame.leaf_clip == 0u {
         let out = STANDS_OUT * reach * (DEEPEST + (1.0 - DEEPEST) * share) - DRAWN_BACK * half_m;
         point = direction * max(out, 0.0);
     }
-    let depth_share = sqrt(dot(point, point)) / reach;
+    // A frond is dark at its heart by its picture.
+    let depth_share = select(1.0, sqrt(dot(point, point)) / reach, frame.fronds == 0u);
     if depth_share > 1.0 && frame.leaf_clip == 1u && depth_share * reach - half_m * 1.5 > reach {
         return nothing();
     }
@@ -107,7 +120,8 @@ fn corner(@builtin(vertex_index) vertex: u32, in: Crown) -> Leaf {
         return nothing();
     }
     let metres = away * frame.sample_size;
-    let half_side = half_m * in.scale / metres;
+    let samples = in.scale / metres;
+    var half_side = half_m * in.scale / metres;
     let across = dot(seen, frame.right) / (away * frame.tan_x);
     let upward = dot(seen, frame.up) / (away * frame.tan_y);
     let angle = hashed(salt ^ 2u) * 6.2831853;
@@ -117,13 +131,28 @@ fn corner(@builtin(vertex_index) vertex: u32, in: Crown) -> Leaf {
     let above = direction * reach + normal_local * (0.05 * crown.mean_radius);
     let inside = clamp(depth_share - 0.45, 0.0, 0.45) / 0.45;
     let bright = 1.1 + 0.2 * hashed(salt ^ 3u);
-    let texels = f32(textureDimensions(atlas).x) / max(2.0 * half_side, 1.0);
+    var out: Leaf;
+    out.spin = vec2(cos(angle), sin(angle));
+    out.shape = vec2(1.0, 0.0);
+    if frame.fronds != 0u {
+        let world_rib = world_from_local(in.turn, rib) * samples;
+        let screen = vec2(dot(world_rib, frame.right), -dot(world_rib, frame.up));
+        let length = sqrt(dot(screen, screen));
+        let half_width = 0.5 * SLENDER * (samples * reach * crown.leaf_side);
+        half_side = max(0.5 * length, SHORTEST * half_width);
+        let axis = screen / max(length, 1e-6);
+        let aside = sqrt(world_rib.x * world_rib.x + world_rib.z * world_rib.z);
+        // The arch goes up on the screen; what of it is across the rib bends the frond.
+        let bend = -ARCH * aside * frame.up.y * axis.x / max(half_width, 1e-6);
+        out.shape = vec2(half_side / max(half_width, 1e-6), bend);
+        out.spin = vec2(-axis.y, -axis.x);
+    }
+    let wide = half_side / sqrt(out.shape.x);
+    let texels = f32(textureDimensions(atlas).x) / max(2.0 * wide, 1.0);
     let level = min(log2(max(texels, 1.0)), f32(textureNumLevels(atlas) - 1u));
     let place = vec2((across + 1.0) * 0.5 * frame.size.x, (1.0 - upward) * 0.5 * frame.size.y);
     let toward_sun = local_from_world(in.turn, frame.toward_sun);
-    var out: Leaf;
     out.place = vec4(place, half_side, level);
-    out.spin = vec2(cos(angle), sin(angle));
     out.ids = vec3(salt % textureNumLayers(atlas), salt, in.dither);
     out.albedo = vec4(surface.rgb * in.tint * bright, surface.a * (0.35 + 0.65 * inside));
     out.normal = vec4(
@@ -139,16 +168,29 @@ fn corner(@builtin(vertex_index) vertex: u32, in: Crown) -> Leaf {
     );
     let bound = select(1.0, 1.0 + FREEST * free, frame.leaf_clip == 0u);
     out.fade = vec2(in.fade, bound);
-    out.clip = corner_of(vertex % 6u, place, half_side, away);
+    var across_side = vec2(half_side, 0.0);
+    var down_side = vec2(0.0, half_side);
+    if frame.fronds != 0u {
+        let wide_side = half_side * (1.0 + abs(out.shape.y)) / out.shape.x;
+        across_side = vec2(out.spin.x, -out.spin.y) * wide_side;
+        down_side = vec2(out.spin.y, out.spin.x) * half_side;
+    }
+    out.clip = corner_of(vertex % 6u, place, across_side, down_side, away);
     return out;
 }
 
-// A corner of a square on the screen, in clip coordinates.
-fn corner_of(index: u32, place: vec2<f32>, half_side: f32, away: f32) -> vec4<f32> {
+// A corner of a rectangle on the screen with those half sides, in clip coordinates.
+fn corner_of(
+    index: u32,
+    place: vec2<f32>,
+    across: vec2<f32>,
+    down: vec2<f32>,
+    away: f32,
+) -> vec4<f32> {
     let right = index == 1u || index == 2u || index == 4u;
     let below = index == 2u || index == 4u || index == 5u;
-    let side = vec2(select(-1.0, 1.0, right), select(-1.0, 1.0, below));
-    let at = (place + side * half_side) / frame.size * 2.0 - vec2(1.0);
+    let offset = across * select(-1.0, 1.0, right) + down * select(-1.0, 1.0, below);
+    let at = (place + offset) / frame.size * 2.0 - vec2(1.0);
     return vec4(at.x * away, -at.y * away, frame.near, away);
 }
 
@@ -182,14 +224,17 @@ fn sample(leaf: Leaf) -> @location(0) vec4<f32> {
     let level = leaf.place.w;
     let across = (place.x - leaf.place.x) / half_side;
     let down = (place.y - leaf.place.y) / half_side;
-    if abs(across) > 1.0 || abs(down) > 1.0 {
+    // A frond's picture is clear at its edges.
+    if frame.fronds == 0u && (abs(across) > 1.0 || abs(down) > 1.0) {
         discard;
     }
     if leaf.fade.x < 1.0 && pattern(place, leaf.ids.z) >= leaf.fade.x {
         discard;
     }
-    let u = 0.5 + 0.5 * (leaf.spin.x * across - leaf.spin.y * down);
-    let v = 0.5 + 0.5 * (leaf.spin.y * across + leaf.spin.x * down);
+    let along = leaf.spin.y * across + leaf.spin.x * down;
+    let bent = leaf.shape.y * (1.0 - along * along);
+    let u = 0.5 + 0.5 * ((leaf.spin.x * across - leaf.spin.y * down) * leaf.shape.x - bent);
+    let v = 0.5 + 0.5 * along;
     let whole = u32(level);
     let near = twig_at(leaf.ids.x, whole, u, v);
     let far = twig_at(leaf.ids.x, min(whole + 1u, textureNumLevels(atlas) - 1u), u, v);
@@ -209,8 +254,8 @@ fn sample(leaf: Leaf) -> @location(0) vec4<f32> {
             discard;
         }
     }
-    let bent = leaf.normal.xyz + aside * SPREAD;
-    let normal = bent * (1.0 / sqrt(dot(bent, bent)));
+    let turned = leaf.normal.xyz + aside * SPREAD;
+    let normal = turned * (1.0 / sqrt(dot(turned, turned)));
     switch frame.view {
         case 0u: {}
         case 2u: {

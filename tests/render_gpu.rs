@@ -244,16 +244,24 @@ fn twins_agree_on_leaves(gpu: &Gpu) {
             assert_twins_agree(name, gpu, view, &settings);
         });
     }
-    let needles = LeafSet::new(LeafShape::Brush, Seed(1));
     let mut settings = settings();
     settings.mode = Mode::Leaves;
-    with_view(&front(), Backdrop::Studio, |view| {
-        let view = SceneView {
-            leaves: &needles,
-            ..*view
-        };
-        assert_twins_agree("needles", gpu, &view, &settings);
-    });
+    for (name, shape, distance) in [
+        ("needles", LeafShape::Brush, 1.0),
+        ("fronds", LeafShape::Blade, 1.0),
+        ("fronds_near", LeafShape::Blade, 0.5),
+        ("fronds_far", LeafShape::Blade, 5.0),
+    ] {
+        let leaves = LeafSet::new(shape, Seed(1));
+        let camera = front().orbited(30.0, 12.0).zoomed(distance);
+        with_view(&camera, Backdrop::Studio, |view| {
+            let view = SceneView {
+                leaves: &leaves,
+                ..*view
+            };
+            assert_twins_agree(name, gpu, &view, &settings);
+        });
+    }
 }
 
 fn twins_agree_on_meshes(gpu: &Gpu) {

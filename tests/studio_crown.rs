@@ -9,6 +9,7 @@ use boscage::app::{
     Action, BatchSettings, Command, ExportChoice, Gesture, Overlay, Shell, Tool, VaryAction, Which,
 };
 use boscage::base::Seed;
+use boscage::branches::leaf_name::LeafName;
 use boscage::document::{CrownSettings, Edit, PhotoId, Tangent};
 use boscage::export::Preset;
 use boscage::paint::{CROWN, TiledMask};
@@ -202,6 +203,30 @@ fn the_canvas_looks_where_it_looked_when_the_project_was_saved() {
     let now = view(&window).unwrap();
     assert!((now.zoom / looked.zoom - 1.0).abs() < 1e-6, "{now:?}");
     assert!((now.center.0 - looked.center.0).abs() < 1e-3, "{now:?}");
+}
+
+#[test]
+fn leaves_go_by_the_photograph_until_others_are_chosen() {
+    let (mut window, _folder) = with_crown();
+    let chosen = |window: &Window| {
+        let content = window.state().studio().document().state().content();
+        content.crowns[&PhotoId(0)].leaf
+    };
+    let combo = |window: &Window, value: &str| {
+        let node = window.get_by_role_and_label(Role::ComboBox, "Leaves");
+        assert_eq!(node.value().as_deref(), Some(value));
+        node.click();
+    };
+    combo(&window, "Automatic (Lobed: oak)");
+    window.run_steps(3);
+    window.get_by_label("Fronds: palm").click();
+    window.run_steps(2);
+    assert_eq!(chosen(&window), Some(LeafName::Frond));
+    settle(&mut window);
+    act(&mut window, Action::Do(Command::Undo));
+    assert_eq!(chosen(&window), None);
+    settle(&mut window);
+    combo(&window, "Automatic (Lobed: oak)");
 }
 
 #[test]

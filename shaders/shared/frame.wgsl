@@ -35,6 +35,7 @@ struct Frame {
     point_count: u32,
     pixels_a_sample: f32,
     shadow_growth: f32,
+    fronds: u32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

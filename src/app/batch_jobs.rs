@@ -12,7 +12,8 @@ use crate::batch::failure::Failure;
 use crate::batch::output::{Output, Policy};
 use crate::batch::run::{Run, Shard};
 use crate::batch::vary::{Plan, Trees, Vary};
-use crate::batch::{ExportMap, ImpostorName, LeafName, MapName, TextureForm};
+use crate::batch::{ExportMap, ImpostorName, MapName, TextureForm};
+use crate::branches::leaf_name::LeafName;
 use crate::document::PhotoId;
 use crate::export::{LicenseRecord, Preset, SpriteSettings, WindChannels};
 use crate::jobs::{Context, JobError, Priority, Request, Topic};
@@ -91,8 +92,8 @@ pub struct ExportChoice {
     pub model_textures: ModelTextures,
     /// Whether all trees are also put on atlas pages.
     pub has_atlas: bool,
-    /// Leaves of crowns.
-    pub leaves: LeafName,
+    /// Leaves of all crowns; none: each has its own.
+    pub leaves: Option<LeafName>,
     /// Impostors of crowns.
     pub impostors: BTreeSet<ImpostorName>,
     /// Whether the cubemaps of crowns are also written as OpenEXR.
@@ -127,7 +128,7 @@ impl Default for ExportChoice {
             textures: Vec::new(),
             model_textures: ModelTextures::Png,
             has_atlas: false,
-            leaves: LeafName::default(),
+            leaves: None,
             impostors: [ImpostorName::Full, ImpostorName::Hemisphere].into(),
             exr: false,
             author: String::new(),
@@ -175,7 +176,7 @@ impl ExportChoice {
                 frames: 8,
                 frame_px: 256,
                 exr: self.exr,
-                leaves: Some(self.leaves),
+                leaves: self.leaves,
             },
         }
     }

@@ -42,7 +42,7 @@ impl Studio {
             let shown = self.shown();
             wanted.retain(|id| Some(*id) == shown);
         }
-        let crowns = ProjectCrowns::of(&self.document, &wanted, Some(choice.leaves));
+        let crowns = ProjectCrowns::of(&self.document, &wanted, choice.leaves);
         if crowns.is_empty() {
             self.notify(
                 Severity::Warning,

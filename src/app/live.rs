@@ -9,9 +9,13 @@ use super::live_job::Making;
 use super::outcome::Outcome;
 use super::preferences::Navigation;
 use super::studio::{Severity, Studio};
+use crate::base::Seed;
+use crate::branches::leaf_name::LeafName;
 use crate::document::{CrownSettings, PhotoId};
 use crate::jobs::{Context, JobId, Priority, Request, Topic};
-use crate::pipeline::{CrownRequest, LiveCrown, LiveInput, Quality, Silhouette, is_crown};
+use crate::pipeline::{
+    CrownRequest, LiveCrown, LiveInput, Quality, Silhouette, is_crown, leaf_of_picture,
+};
 use crate::raster::{Image, Straight};
 use crate::render::{LeafSet, PreparedCrown, PreparedMesh, RenderSettings};
 use crate::scene::{Backdrop, Camera, Crown, Light};
@@ -117,6 +121,7 @@ pub(super) struct ShownCrown {
     pub(super) k: Option<[f64; 2]>,
     /// The labels of its sub-crowns.
     pub(super) sub_crowns: Vec<u8>,
+    pub(super) leaf: LeafName,
     pub(super) color_version: u64,
 }
 
@@ -138,6 +143,7 @@ struct Wanted {
     photo: PhotoId,
     input: LiveInput,
     settings: CrownSettings,
+    leaf: LeafName,
 }
 
 /// A job under way and the edit it is for.
@@ -179,10 +185,11 @@ const FULL: Topic = Topic {
     item: 0,
 };
 
-/// The leaves that crowns are drawn with; takes 60 ms the first time.
-pub(super) fn leaves() -> &'static LeafSet {
-    static LEAVES: OnceLock<LeafSet> = OnceLock::new();
-    LEAVES.get_or_init(LeafSet::default)
+/// What crowns with such leaves are drawn with; takes up to 200 ms the first time.
+pub(super) fn leaves(leaf: LeafName) -> &'static LeafSet {
+    static LEAVES: [OnceLock<LeafSet>; LeafName::ALL.len()] =
+        [const { OnceLock::new() }; LeafName::ALL.len()];
+    LEAVES[leaf as usize].get_or_init(|| LeafSet::new(leaf.shape(), Seed(0)))
 }
 
 impl Live {
@@ -293,13 +300,19 @@ impl Studio {
         let is_known = |wanted: &Wanted| Arc::ptr_eq(&wanted.input.labels, &labels);
         let has_crown =
             self.live.wanted.as_ref().is_some_and(is_known) || labels.bounds(is_crown).is_some();
+        let settings = content.crowns.get(&id).cloned().unwrap_or_default();
+        let named = content
+            .photos
+            .get(&id)
+            .and_then(|photo| leaf_of_picture(&photo.name));
         (fits && has_crown).then(|| Wanted {
             photo: id,
             input: LiveInput {
                 photo: Arc::clone(photo),
                 labels,
             },
-            settings: content.crowns.get(&id).cloned().unwrap_or_default(),
+            leaf: settings.leaf.or(named).unwrap_or_default(),
+            settings,
         })
     }
 
@@ -336,6 +349,7 @@ impl Studio {
                 photo: wanted.photo,
                 input: wanted.input,
                 request,
+                leaf: wanted.leaf,
                 serial,
                 cache: Arc::clone(&self.live.cache),
                 last: self.live.shown.clone(),

@@ -2,6 +2,7 @@
 
 use super::live::{LiveOutcome, ShownCrown, leaves};
 use super::outcome::Outcome;
+use crate::branches::leaf_name::LeafName;
 use crate::document::PhotoId;
 use crate::jobs::{Context, JobError};
 use crate::pipeline::{CrownError, CrownRequest, LiveCrown, LiveInput, LiveResult, Quality};
@@ -14,6 +15,7 @@ pub(super) struct Making {
     pub(super) photo: PhotoId,
     pub(super) input: LiveInput,
     pub(super) request: CrownRequest,
+    pub(super) leaf: LeafName,
     pub(super) serial: u64,
     pub(super) cache: Arc<Mutex<LiveCrown>>,
     /// What is shown now.
@@ -102,7 +104,7 @@ impl Making {
             ),
         };
         // Made here where nobody waits for a frame.
-        leaves();
+        leaves(self.leaf);
         Ok(ShownCrown {
             photo: self.photo,
             source: Arc::clone(&self.input.photo),
@@ -116,6 +118,7 @@ impl Making {
             silhouette,
             k,
             sub_crowns,
+            leaf: self.leaf,
             color_version,
         })
     }

@@ -4,17 +4,21 @@ use super::act_vary::VaryAction;
 use super::action::Action;
 use super::batch_jobs::{BatchSettings, ExportChoice, Which};
 use super::commands::Command;
+use super::panels::leaves::leaf_title;
 use super::studio::{Studio, Workspace};
 use super::theme::{GAP, TIGHT, dialog};
-use crate::batch::{ExportMap, ImpostorName, LeafName, MapName, ModelTextures, TextureForm};
+use crate::batch::{ExportMap, ImpostorName, MapName, ModelTextures, TextureForm};
+use crate::branches::leaf_name::LeafName;
 use crate::export::Preset;
 use crate::pipeline::CrownSettings;
-use clap::ValueEnum as _;
 use egui::{Context, DragValue, Ui, vec2};
 use std::path::PathBuf;
 
 /// Most trees that a batch is asked for.
 const MOST_TREES: u32 = 100_000;
+
+/// What stands for the leaves that each crown has by itself.
+const OWN_LEAVES: &str = "Each crown's own";
 
 /// Width of the names before fields, points.
 const NAMES: f32 = 96.0;
@@ -259,10 +263,12 @@ impl MakeDialog {
         let export = &mut self.export;
         row(ui, "Leaves", |ui| {
             let choice = egui::ComboBox::from_id_salt("leaves");
-            let choice = choice.selected_text(export.leaves.title()).width(160.0);
+            let title = export.leaves.map_or(OWN_LEAVES, leaf_title);
+            let choice = choice.selected_text(title).width(160.0);
             let choice = choice.show_ui(ui, |ui| {
-                for leaves in LeafName::value_variants() {
-                    ui.selectable_value(&mut export.leaves, *leaves, leaves.title());
+                ui.selectable_value(&mut export.leaves, None, OWN_LEAVES);
+                for leaves in LeafName::ALL {
+                    ui.selectable_value(&mut export.leaves, Some(leaves), leaf_title(leaves));
                 }
             });
             choice.response.widget_info(|| {
@@ -419,20 +425,6 @@ fn listed<T: PartialEq>(ui: &mut Ui, list: &mut Vec<T>, value: T, title: &str) {
             list.push(value);
         } else {
             list.retain(|listed| *listed != value);
-        }
-    }
-}
-
-impl LeafName {
-    fn title(self) -> &'static str {
-        match self {
-            Self::Ovate => "Egg-shaped: birch, apple",
-            Self::Round => "Round: aspen, lime",
-            Self::Lobed => "Lobed: oak",
-            Self::Palmate => "Palmate: maple",
-            Self::Lance => "Narrow: willow",
-            Self::Brush => "Short needles: spruce",
-            Self::Tuft => "Long needles: pine",
         }
     }
 }

@@ -1,11 +1,11 @@
 //! What a crown was made from, and a crown as files: what `boscage crown` writes and the studio
 //! keeps beside what it exports.
 
-use super::export_crown::LeafName;
 use super::failure::Failure;
 use super::output::{Output, recipe};
 use super::records::SegmenterRecord;
 use crate::base::{Cancel, Digest, read_limited};
+use crate::branches::leaf_name::LeafName;
 use crate::crown::Tangent;
 use crate::export::{CROWN_RECORD, CrownRecord, crown_file_names, crown_files};
 use crate::pipeline::CrownSettings;

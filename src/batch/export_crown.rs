@@ -9,7 +9,7 @@ use super::items;
 use super::output::recipe;
 use super::run::Run;
 use crate::base::{Digest, Seed};
-use crate::branches::sprite::LeafShape;
+use crate::branches::leaf_name::LeafName;
 use crate::export::{
     CrownModel, CrownRecord, Impostor, ImpostorForm, ImpostorRecord, ImpostorSettings, Preset,
     PresetCrown, crown_files, encode_exr_colors, encode_exr_values, encode_ktx2_colors,
@@ -18,9 +18,9 @@ use crate::export::{
 };
 use crate::raster::{Compression, CubeFace, encode_png};
 use crate::scene::Crown;
-use crate::variation::named;
 use clap::ValueEnum;
-use serde::{Deserialize, Serialize};
+use clap::builder::PossibleValue;
+use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -36,84 +36,32 @@ pub enum ImpostorName {
     Hemisphere,
 }
 
-/// Leaves of a crown's cards.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum LeafName {
-    /// Egg-shaped: birch, apple
-    #[default]
-    Ovate,
-    /// Nearly round: aspen, lime
-    Round,
-    /// Wavy lobes: oak
-    Lobed,
-    /// Pointed fingers: maple
-    Palmate,
-    /// Long and narrow: willow
-    Lance,
-    /// Short needles: spruce, fir
-    Brush,
-    /// Long needles: pine
-    Tuft,
+/// The leaves that the crown of `record` was made for.
+pub(crate) fn leaf_of(record: &CrownRecord) -> LeafName {
+    let named = record.recipe.get("leaf");
+    let known = named.and_then(|leaf| LeafName::deserialize(leaf).ok());
+    known.unwrap_or_default()
 }
 
-impl LeafName {
-    /// The leaves that the crown of `record` was made for.
-    pub(crate) fn of(record: &CrownRecord) -> Self {
-        let named = record.recipe.get("leaf");
-        let known = named.and_then(|leaf| Self::deserialize(leaf).ok());
-        known.unwrap_or_default()
+impl ValueEnum for LeafName {
+    fn value_variants<'a>() -> &'a [Self] {
+        &Self::ALL
     }
 
-    /// The leaves of a tree whose picture has that file name, if it tells.
-    pub(crate) fn of_picture(name: &str) -> Option<Self> {
-        named(name, &LEAVES_BY_NAME)
-    }
-
-    /// The shape of that name.
-    pub(crate) fn shape(self) -> LeafShape {
-        match self {
-            Self::Ovate => LeafShape::Ovate,
-            Self::Round => LeafShape::Round,
-            Self::Lobed => LeafShape::Lobed,
-            Self::Palmate => LeafShape::Palmate,
-            Self::Lance => LeafShape::Lance,
-            Self::Brush => LeafShape::Brush,
-            Self::Tuft => LeafShape::Tuft,
-        }
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        let (name, help) = match self {
+            Self::Ovate => ("ovate", "Egg-shaped: birch, apple"),
+            Self::Round => ("round", "Nearly round: aspen, lime"),
+            Self::Lobed => ("lobed", "Wavy lobes: oak"),
+            Self::Palmate => ("palmate", "Pointed fingers: maple"),
+            Self::Lance => ("lance", "Long and narrow: willow"),
+            Self::Brush => ("brush", "Short needles: spruce, fir"),
+            Self::Tuft => ("tuft", "Long needles: pine"),
+            Self::Frond => ("frond", "Feathered, from the middle to the edge: palm"),
+        };
+        Some(PossibleValue::new(name).help(help))
     }
 }
-
-/// Words in names of pictures, and the leaves of such trees: of those that there are the likest. The first
-/// that occurs counts. From where a whole crown is seen, combs of short needles look like lobed leaves:
-/// conifers have tufts.
-const LEAVES_BY_NAME: [(&str, LeafName); 24] = [
-    ("broadleaf", LeafName::Ovate),
-    ("pine", LeafName::Tuft),
-    ("pinus", LeafName::Tuft),
-    ("spruce", LeafName::Tuft),
-    ("picea", LeafName::Tuft),
-    ("fir", LeafName::Tuft),
-    ("abies", LeafName::Tuft),
-    ("larch", LeafName::Tuft),
-    ("larix", LeafName::Tuft),
-    ("cedar", LeafName::Tuft),
-    ("conifer", LeafName::Tuft),
-    ("cypress", LeafName::Tuft),
-    ("juniper", LeafName::Tuft),
-    ("thuja", LeafName::Tuft),
-    ("yew", LeafName::Tuft),
-    ("oak", LeafName::Lobed),
-    ("quercus", LeafName::Lobed),
-    ("maple", LeafName::Palmate),
-    ("acer", LeafName::Palmate),
-    ("willow", LeafName::Lance),
-    ("salix", LeafName::Lance),
-    ("linden", LeafName::Round),
-    ("poplar", LeafName::Round),
-    // As near as it gets to fronds; behind what may be palmate.
-    ("palm", LeafName::Tuft),
-];
 
 /// What is made of crowns alone.
 #[derive(Debug, Clone, PartialEq)]
@@ -278,7 +226,7 @@ impl CrownExport<'_> {
         let out = &settings.out;
         let (crown, record, digest) = read_crown_and_record(folder)?;
         let leaves = settings.crowns.leaves;
-        let leaves = leaves.unwrap_or_else(|| LeafName::of(&record));
+        let leaves = leaves.unwrap_or_else(|| leaf_of(&record));
         let made_from = self.recipe(name, (digest, leaves), session);
         let files = self.files(name);
         let last = out.join(format!("cubemaps/{name}/{LAST}"));

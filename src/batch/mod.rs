@@ -30,6 +30,6 @@ mod stamp;
 pub(crate) mod tree_crown;
 pub(crate) mod vary;
 
-pub use export_crown::{ImpostorName, LeafName};
+pub use export_crown::ImpostorName;
 pub use export_tree::{ExportMap, ModelTextures, TextureForm};
 pub use vary::MapName;

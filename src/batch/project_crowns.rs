@@ -2,14 +2,14 @@
 //! project holds. The studio's export and `boscage export PROJECT` begin with them.
 
 use super::crown::{CrownRecipe, Region};
-use super::export_crown::LeafName;
 use super::failure::Failure;
 use super::run::Run;
 use crate::base::{Digest, Seed};
+use crate::branches::leaf_name::LeafName;
 use crate::crown::{SubCrown, Tangent};
 use crate::document::{CrownSettings, Document, PhotoId, State};
 use crate::paint::{TiledMask, grey_of};
-use crate::pipeline::{CrownRequest, crown, crown_of_regions, is_crown};
+use crate::pipeline::{CrownRequest, crown, crown_of_regions, is_crown, leaf_of_picture};
 use crate::raster::{
     Compression, Image, ReadLimits, Straight, encode_grey_png, opaque_bounds,
     read_image_from_memory,
@@ -52,7 +52,7 @@ struct Planned {
 }
 
 impl ProjectCrowns {
-    /// The crowns of the photographs `wanted`, for `leaf` if one is chosen.
+    /// The crowns of the photographs `wanted`, all for `leaf` if one is chosen.
     pub(crate) fn of(document: &Document, wanted: &[PhotoId], leaf: Option<LeafName>) -> Self {
         let state = document.state();
         let mut names = BTreeSet::new();
@@ -153,7 +153,9 @@ impl Planned {
             segmenter: None,
             seed: request.seed.0,
             settings: request.settings,
-            leaf,
+            leaf: leaf
+                .or(self.settings.leaf)
+                .or_else(|| leaf_of_picture(&self.photo_name)),
             regions,
         };
         if recipe.kept(folder, &run.output).is_none() {

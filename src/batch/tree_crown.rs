@@ -5,15 +5,15 @@
 //! recipe is the tree's: `boscage vary --recipe` makes both again.
 
 use super::crown::{is_whole, write_crown};
-use super::export_crown::LeafName;
 use super::failure::Failure;
 use super::output::recipe;
 use super::records::{TreeCrownRecord, TreeRecord};
 use super::run::Run;
 use crate::base::{Digest, Progress, Seed};
+use crate::branches::leaf_name::LeafName;
 use crate::crown::Tangent;
 use crate::export::{bled, crown_file_names};
-use crate::pipeline::{CrownError, CrownSettings, crown};
+use crate::pipeline::{CrownError, CrownSettings, crown, leaf_of_picture};
 use crate::raster::{Image, Mask, Straight, closed_and_filled, dilated, eroded, opaque_bounds};
 use crate::segment::Label;
 use crate::variation::{Tree, is_evergreen, stands_straight};
@@ -133,17 +133,20 @@ const GAP: f64 = 0.012;
 /// How light the inside of a crown is that one sees between its leaves.
 const INSIDE: f32 = 0.45;
 
-/// The leaves of a tree: what the name of the picture tells that gave most of its outline, or needles where
+/// The leaves of a tree: fronds where it was made as a palm, or what the name of the picture tells that gave most of its outline, or needles where
 /// it looks like a conifer.
 fn leaf_of(
     record: &TreeRecord,
     tree: &Tree,
     session: &Run<'_>,
 ) -> Result<Option<LeafName>, Failure> {
+    if record.has_fronds {
+        return Ok(Some(LeafName::Frond));
+    }
     let weighed = record.exemplars.iter().zip(&record.contour_weights);
     let most = weighed.max_by(|a, b| a.1.total_cmp(b.1));
     let name = most.and_then(|(exemplar, _)| Path::new(&exemplar.file).file_name());
-    let named = name.and_then(|name| LeafName::of_picture(&name.to_string_lossy()));
+    let named = name.and_then(|name| leaf_of_picture(&name.to_string_lossy()));
     if named.is_some() {
         return Ok(named);
     }

@@ -17,6 +17,7 @@ pub mod canvas;
 pub mod crown;
 pub mod foliage;
 pub mod individual;
+pub mod leaf_name;
 pub mod light;
 pub mod limbs;
 mod noise;

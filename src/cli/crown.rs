@@ -8,11 +8,11 @@ use super::session::Session;
 use super::{Job, Stages};
 use crate::base::{Digest, Seed};
 use crate::batch::crown::{CrownRecipe, crown_record};
-use crate::batch::export_crown::LeafName;
 use crate::batch::records::SegmenterRecord;
+use crate::branches::leaf_name::LeafName;
 use crate::crown::{SubCrown, Tangent, relief};
 use crate::export::{CrownRecord, crown_file_names};
-use crate::pipeline::{CrownError, CrownSettings, crown, crown_of_regions};
+use crate::pipeline::{CrownError, CrownSettings, crown, crown_of_regions, leaf_of_picture};
 use crate::raster::{Compression, Image, Mask, Straight, encode_grey16_png, opaque_bounds};
 use crate::scene::Crown;
 use crate::segment::{
@@ -74,7 +74,7 @@ pub(super) struct Flags {
     /// Height of the bare trunk below it [default: a fifth of the crown's]
     #[arg(long, value_name = "METRES")]
     trunk_height: Option<f64>,
-    /// Shape of its leaves, for `render` and `export`
+    /// Shape of its leaves, for `render` and `export` [default: by the photograph's name, or ovate]
     #[arg(long, value_enum, value_name = "SHAPE")]
     leaf: Option<LeafName>,
     /// Also write the relief of the front as the photograph shows it: relief.png, 16-bit grey of the
@@ -165,6 +165,7 @@ impl Flags {
             }
         };
         drop(stage);
+        let name = photo_path.file_name();
         let recipe = CrownRecipe {
             photo: photo_path.display().to_string(),
             photo_digest: photo.digest().to_string(),
@@ -173,7 +174,9 @@ impl Flags {
             segmenter,
             seed: session.options.seed,
             settings,
-            leaf: self.leaf,
+            leaf: self
+                .leaf
+                .or_else(|| name.and_then(|name| leaf_of_picture(&name.to_string_lossy()))),
             regions: regions.unwrap_or_default(),
         };
         Ok(Inputs {

@@ -6,10 +6,11 @@ use super::session::Session;
 use super::{Job, Stages};
 use crate::batch::export::{Export, ExportSettings, check_trees};
 use crate::batch::export_crown::{
-    CrownExport, CrownExportSettings, ImpostorName, LeafName, check_preset, crown_folders,
+    CrownExport, CrownExportSettings, ImpostorName, check_preset, crown_folders,
 };
 use crate::batch::export_tree::{BlockName, ExportMap, ModelTextures, TextureForm};
 use crate::batch::project_crowns::{ProjectCrowns, crowned};
+use crate::branches::leaf_name::LeafName;
 use crate::document::store::{self, StoreError};
 use crate::export::{LicenseRecord, Preset, SpriteSettings, WindChannels};
 use clap::{Args, ValueEnum};

@@ -7,7 +7,8 @@ use super::output::recipe;
 use super::session::Session;
 use super::{Job, Stages};
 use crate::base::{Cancel, Digest, Seed};
-use crate::batch::export_crown::LeafName;
+use crate::batch::export_crown::leaf_of;
+use crate::branches::leaf_name::LeafName;
 use crate::export::CrownRecord;
 use crate::pipeline::{CrownSettings, k_on_mesh};
 use crate::raster::{Compression, Image, Straight, encode_png};
@@ -190,7 +191,7 @@ impl Job for Flags {
             .filter(|(_, path, recipe)| !session.output.is_ready(path, *recipe))
             .collect();
         let k = self.k(&crown, &record, session.cancel)?;
-        let leaf = self.leaf.unwrap_or_else(|| LeafName::of(&record));
+        let leaf = self.leaf.unwrap_or_else(|| leaf_of(&record));
         let drawn_by = self.make(session, (&crown, leaf, k.as_deref()), &wanted)?;
         session.print_json(|| {
             let files: Vec<String> = ours

@@ -14,7 +14,10 @@ const MOST_CONTENT_BYTES: usize = 64 << 20;
 
 /// First bytes of a content as it is packed now. Those of older ones cannot be: they begin with the
 /// length of a title. The third counts up whenever a field comes or goes; see [`super::legacy`].
-const MARK: [u8; 3] = [0xff, 0xff, 2];
+const MARK: [u8; 3] = [0xff, 0xff, 3];
+
+/// The same before crowns had leaves.
+const LEAFLESS: [u8; 3] = [0xff, 0xff, 2];
 
 /// The same before outlines were moved.
 const UNSHAPED: [u8; 3] = [0xff, 0xff, 1];
@@ -85,9 +88,12 @@ impl PackedContent {
         if let Some(bytes) = bytes.strip_prefix(&MARK) {
             return postcard::from_bytes(bytes).map_err(|_| Misfit);
         }
-        let older = match bytes.strip_prefix(&UNSHAPED) {
-            Some(bytes) => legacy::unshaped_content(bytes),
-            None => legacy::content(&bytes),
+        let older = if let Some(bytes) = bytes.strip_prefix(&LEAFLESS) {
+            legacy::leafless_content(bytes)
+        } else if let Some(bytes) = bytes.strip_prefix(&UNSHAPED) {
+            legacy::unshaped_content(bytes)
+        } else {
+            legacy::content(&bytes)
         };
         older.ok_or(Misfit)
     }

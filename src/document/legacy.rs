@@ -6,22 +6,36 @@
 
 use super::content::{Content, Photo, PhotoId};
 use super::settings::{
-    Coloring, CrownSettings, ExemplarWeight, Favourite, Generation, VariationSettings,
+    Coloring, CrownSettings, ExemplarWeight, Favourite, Generation, Tangent, VariationSettings,
 };
 use crate::contour::HandPins;
+use crate::crown::ReliefSettings;
 use crate::variation::{Aspect, Finish, HslShift, IndividualSettings, SeasonChoice};
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A content whose variations were others.
+/// A content whose crowns, and maybe variations, were others.
 #[derive(Deserialize)]
 struct OldContent<V> {
     title: String,
     photos: BTreeMap<PhotoId, Photo>,
-    crowns: BTreeMap<PhotoId, CrownSettings>,
+    crowns: BTreeMap<PhotoId, LeaflessCrown>,
     variation: V,
     next_photo: u32,
     pins: BTreeMap<PhotoId, HandPins>,
+}
+
+/// A crown's settings as they were before it had leaves of its own (mark 2 and all before).
+#[derive(Deserialize)]
+struct LeaflessCrown {
+    k: Tangent,
+    size: u32,
+    rho: f64,
+    relief: ReliefSettings,
+    copies: u32,
+    photo_front: bool,
+    sub_crown_depths: BTreeMap<u8, f64>,
+    seed: u64,
 }
 
 /// Variations as they were before trees were bred (no mark).
@@ -92,6 +106,12 @@ pub(super) fn content(bytes: &[u8]) -> Option<Content> {
     Some(read.ok()?.today())
 }
 
+/// The content in `bytes`, packed with mark 2.
+pub(super) fn leafless_content(bytes: &[u8]) -> Option<Content> {
+    let old: OldContent<VariationSettings> = postcard::from_bytes(bytes).ok()?;
+    Some(old.today())
+}
+
 /// The content in `bytes`, packed with mark 1.
 pub(super) fn unshaped_content(bytes: &[u8]) -> Option<Content> {
     let old: OldContent<UnshapedVariation> = postcard::from_bytes(bytes).ok()?;
@@ -100,13 +120,30 @@ pub(super) fn unshaped_content(bytes: &[u8]) -> Option<Content> {
 
 impl<V: Into<VariationSettings>> OldContent<V> {
     fn today(self) -> Content {
+        let crowns = self.crowns.into_iter();
         Content {
             title: self.title,
             photos: self.photos,
-            crowns: self.crowns,
+            crowns: crowns.map(|(photo, crown)| (photo, crown.into())).collect(),
             variation: self.variation.into(),
             next_photo: self.next_photo,
             pins: self.pins,
+        }
+    }
+}
+
+impl From<LeaflessCrown> for CrownSettings {
+    fn from(old: LeaflessCrown) -> Self {
+        Self {
+            k: old.k,
+            size: old.size,
+            rho: old.rho,
+            relief: old.relief,
+            copies: old.copies,
+            photo_front: old.photo_front,
+            sub_crown_depths: old.sub_crown_depths,
+            seed: old.seed,
+            leaf: None,
         }
     }
 }
@@ -229,5 +266,42 @@ mod tests {
         assert_eq!(kept.finish.reshaping, None);
         assert_eq!(variation.lineage[0].locked, [9]);
         assert_eq!(variation.around.as_ref(), Some(kept));
+    }
+
+    #[test]
+    fn contents_with_mark_2_are_read() {
+        let depths = BTreeMap::from([(3u8, 0.2)]);
+        let relief = ReliefSettings::default();
+        let crown = (
+            Tangent::Expression("3*j".into()),
+            512u32,
+            0.3,
+            relief,
+            2u32,
+            true,
+            depths,
+            9u64,
+        );
+        let crowns = BTreeMap::from([(PhotoId(1), crown)]);
+        let photos = BTreeMap::<PhotoId, Photo>::new();
+        let pins = BTreeMap::<PhotoId, HandPins>::new();
+        let variation = VariationSettings {
+            count: 17,
+            ..VariationSettings::default()
+        };
+        let content = ("old", photos, crowns, variation.clone(), 2u32, pins);
+        let read = leafless_content(&postcard::to_stdvec(&content).unwrap_or_default());
+        let Some(Content {
+            crowns,
+            variation: read,
+            ..
+        }) = read
+        else {
+            panic!("it is not read")
+        };
+        assert_eq!(read, variation);
+        let crown = &crowns[&PhotoId(1)];
+        assert_eq!((crown.size, crown.seed, crown.leaf), (512, 9, None));
+        assert_eq!(crown.k, Tangent::Expression("3*j".into()));
     }
 }

@@ -5,6 +5,7 @@
 //! and `variation`, and that is the one place to change when those grow.
 
 use super::content::PhotoId;
+use crate::branches::leaf_name::LeafName;
 use crate::crown::ReliefSettings;
 use crate::variation::{Aspect, Finish, SeasonChoice};
 use serde::{Deserialize, Serialize};
@@ -49,6 +50,8 @@ pub struct CrownSettings {
     pub sub_crown_depths: BTreeMap<u8, f64>,
     /// Seed of the synthesised foliage.
     pub seed: u64,
+    /// The leaves it is drawn and exported with; none: those that the photograph's name tells.
+    pub leaf: Option<LeafName>,
 }
 
 impl Default for CrownSettings {
@@ -62,6 +65,7 @@ impl Default for CrownSettings {
             photo_front: false,
             sub_crown_depths: BTreeMap::new(),
             seed: 0,
+            leaf: None,
         }
     }
 }

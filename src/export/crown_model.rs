@@ -8,6 +8,7 @@
 use super::atlas::{AtlasLayout, atlas};
 use super::blocks::{BlockFormat, CompressedLevels};
 use super::crown_mesh::divided;
+use super::frond_cards::FrondCards;
 use super::glb::{Glb, Material, MeshId};
 use super::ktx2_file::encode_ktx2;
 use super::leaf_cards::{LeafCards, averaged};
@@ -28,6 +29,9 @@ const SURFACE_CELLS: [u32; 4] = [64, 32, 16, 8];
 
 /// Leaves, each a pair of cards, by level.
 const LEAVES: [usize; 4] = [1280, 480, 160, 48];
+
+/// Fronds of a palm, and their pieces, by level.
+const FRONDS: [(usize, u32); 4] = [(96, 6), (80, 3), (48, 2), (24, 1)];
 
 /// Quads around and along the stem, by level.
 const STEM: [(u32, u32); 4] = [(24, 20), (14, 10), (8, 5), (5, 3)];
@@ -88,8 +92,12 @@ pub fn surface_model(crown: &Crown, name: &str) -> CrownModel {
     }
 }
 
-/// Leaves of `shape` all over the crown, in four levels, around a core, on its stem.
+/// Leaves of `shape` all over the crown, in four levels, around a core, on its stem; blades make fronds,
+/// without a core.
 pub fn leaf_model(crown: &Crown, name: &str, shape: LeafShape, seed: Seed) -> CrownModel {
+    if shape == LeafShape::Blade {
+        return frond_model(crown, name, seed);
+    }
     let (trunk, stand) = standing(crown);
     let leaves = LeafCards::new(crown, shape, LEAVES[0], seed);
     let inner = crown.radius_m.map(|&radius| radius * CORE);
@@ -111,15 +119,41 @@ pub fn leaf_model(crown: &Crown, name: &str, shape: LeafShape, seed: Seed) -> Cr
         name: name.to_owned(),
         levels: levels.collect(),
         materials: vec![
-            ModelMaterial {
-                name: "leaves",
-                picture: leaves.picture,
-                packed: None,
-                is_solid: false,
-            },
+            tested("leaves", leaves.picture),
             solid("core", atlas(&dark)),
             solid("bark", bark_picture(&trunk)),
         ],
+    }
+}
+
+/// Fronds from the crown's heart to its surface, in four levels, on its stem.
+fn frond_model(crown: &Crown, name: &str, seed: Seed) -> CrownModel {
+    let (trunk, stand) = standing(crown);
+    let fronds = FrondCards::new(crown, FRONDS[0].0, seed);
+    let levels = FRONDS.iter().zip(STEM);
+    let levels = levels.map(|(&(count, bends), (around, along))| {
+        vec![
+            (0, fronds.cards(count, bends, &stand)),
+            (1, stem(&trunk, &stand, around, along)),
+        ]
+    });
+    CrownModel {
+        name: name.to_owned(),
+        levels: levels.collect(),
+        materials: vec![
+            tested("leaves", fronds.picture),
+            solid("bark", bark_picture(&trunk)),
+        ],
+    }
+}
+
+/// A material that is drawn where its picture has alpha.
+fn tested(name: &'static str, picture: Image<Straight>) -> ModelMaterial {
+    ModelMaterial {
+        name,
+        picture,
+        packed: None,
+        is_solid: false,
     }
 }
 

@@ -35,11 +35,11 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 /// Texels along a side of a twig.
-const TWIG_PX: u32 = 256;
+pub(super) const TWIG_PX: u32 = 256;
 /// Different twigs, side by side.
-const TWIGS: u32 = 4;
+pub(super) const TWIGS: u32 = 4;
 /// Shades of each, one below the other.
-const SHADES: usize = 8;
+pub(super) const SHADES: usize = 8;
 /// Half the side of a card in mean radii of the crown, times the root of their number: between the
 /// renderer's 4, whose leaves all face the eye, and 5, where single cards stand out.
 const CARD_SIZE: f64 = 4.4;
@@ -57,9 +57,9 @@ const LEAST_FACING: f64 = 0.1;
 /// Least coverage, of 255, that stays inside a twig's outline.
 const LEAST_COVERAGE: u8 = 32;
 /// How much normals spread over a card.
-const SPREAD: f64 = 0.5;
+pub(super) const SPREAD: f64 = 0.5;
 /// Texels along a face of the colours that leaves take: larger ones would be speckled.
-const COLOR_CELLS: u32 = 24;
+pub(super) const COLOR_CELLS: u32 = 24;
 
 /// A leaf before it is a card.
 #[derive(Debug, Clone, Copy)]
@@ -199,7 +199,7 @@ impl Leaf {
 }
 
 /// The unit vector `normal`, turned towards `side` until it is in front of it.
-fn in_front(normal: DVec3, side: DVec3) -> DVec3 {
+pub(super) fn in_front(normal: DVec3, side: DVec3) -> DVec3 {
     let facing = normal.dot(side);
     if facing >= LEAST_FACING {
         return normal;
@@ -274,7 +274,7 @@ pub(super) fn averaged(color: &Cubemap<Straight>, cells: u32) -> Cubemap<[f32; 3
 
 /// Means of [`SHADES`] groups of like brightness and like size, dark to bright, and the group of
 /// each colour.
-fn grouped(colors: &[[f32; 3]]) -> (Vec<[f32; 3]>, Vec<usize>) {
+pub(super) fn grouped(colors: &[[f32; 3]]) -> (Vec<[f32; 3]>, Vec<usize>) {
     let light = |[r, g, b]: [f32; 3]| 0.2126 * r + 0.7152 * g + 0.0722 * b;
     let mut order: Vec<usize> = (0..colors.len()).collect();
     order.sort_by(|&a, &b| {
@@ -299,7 +299,7 @@ fn grouped(colors: &[[f32; 3]]) -> (Vec<[f32; 3]>, Vec<usize>) {
 }
 
 /// The twigs in all colours of `palette`.
-fn picture(twigs: &[Image<TwigTexel>], palette: &[[f32; 3]]) -> Image<Straight> {
+pub(super) fn picture(twigs: &[Image<TwigTexel>], palette: &[[f32; 3]]) -> Image<Straight> {
     let width = TWIG_PX * TWIGS;
     let texel = |x: u32, y: u32| {
         let twig = &twigs[(x / TWIG_PX) as usize];

@@ -21,6 +21,7 @@ mod crown_model;
 mod cutout;
 mod dds;
 mod exr;
+mod frond_cards;
 mod gallery;
 mod glb;
 mod impostor;

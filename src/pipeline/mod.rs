@@ -10,6 +10,7 @@ mod crown;
 mod frame;
 mod gallery;
 mod k_map;
+mod leaf;
 mod live;
 mod picture_shape;
 mod request;
@@ -25,6 +26,7 @@ pub use gallery::{
     genome_of, parts_of_mix,
 };
 pub use k_map::k_on_mesh;
+pub use leaf::leaf_of_picture;
 pub use live::{LiveCrown, LiveInput, LiveResult, Quality};
 pub use picture_shape::{PictureShape, picture_shape};
 pub use request::{CrownRequest, is_crown};

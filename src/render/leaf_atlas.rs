@@ -4,15 +4,16 @@
 //! with distance. As in I. Castaño, *Computing Alpha Mipmaps* (2010), each level's coverage is
 //! scaled so that the share of texels above one half stays that of the first level.
 
+use super::fronds::fronds;
 use super::needles::{Needles, needle_twigs};
 use crate::base::Seed;
 use crate::branches::sprite::LeafShape;
 use crate::branches::twigs::{TwigTexel, twigs};
 use crate::raster::Image;
 
-/// Texels along a side of a twig of leaves, and of one of needles, which are thinner.
+/// Texels along a side of a twig of leaves, and of needles and fronds, which are thinner.
 const LEAF_SIZE: u32 = 128;
-const NEEDLE_SIZE: u32 = 256;
+const FINE_SIZE: u32 = 256;
 
 /// Twigs of an atlas.
 pub(crate) const VARIANTS: u32 = 8;
@@ -33,16 +34,15 @@ pub struct LeafAtlas {
 }
 
 impl LeafAtlas {
-    /// Twigs with leaves of `shape`; takes about 30 ms, with needles 200 ms.
+    /// Twigs with leaves of `shape`, whole fronds of blades; takes about 30 ms, with needles 200 ms.
     pub fn new(shape: LeafShape, seed: Seed) -> Self {
-        let size = match needles(shape) {
-            Some(_) => NEEDLE_SIZE,
-            None => LEAF_SIZE,
-        };
         let texel = |&TwigTexel { shade, coverage }: &TwigTexel| [shade, coverage];
-        let drawn = match needles(shape) {
-            Some(needles) => needle_twigs(needles, size, VARIANTS, seed),
-            None => twigs(shape, size, VARIANTS, seed),
+        let (size, drawn) = match shape {
+            LeafShape::Blade => (FINE_SIZE, fronds(FINE_SIZE, VARIANTS, seed)),
+            _ => match needles(shape) {
+                Some(needles) => (FINE_SIZE, needle_twigs(needles, FINE_SIZE, VARIANTS, seed)),
+                None => (LEAF_SIZE, twigs(shape, LEAF_SIZE, VARIANTS, seed)),
+            },
         };
         let mut levels: Vec<Vec<Image<Texel>>> = vec![drawn.iter().map(|t| t.map(texel)).collect()];
         let wanted: Vec<f64> = levels[0].iter().map(covered).collect();
@@ -150,7 +150,12 @@ mod tests {
 
     #[test]
     fn coverage_stays_from_level_to_level() {
-        for shape in [LeafShape::Ovate, LeafShape::Brush, LeafShape::Tuft] {
+        for shape in [
+            LeafShape::Ovate,
+            LeafShape::Brush,
+            LeafShape::Tuft,
+            LeafShape::Blade,
+        ] {
             let atlas = LeafAtlas::new(shape, Seed(1));
             for twig in 0..VARIANTS as usize {
                 let first = covered(&atlas.levels[0][twig]);

@@ -9,6 +9,7 @@
 //!
 //! Limit: needles are thrice as thick as real ones, or a crown would need ten times the twigs.
 
+use super::strokes::Canvas;
 use crate::base::{Random, Seed};
 use crate::branches::twigs::TwigTexel;
 use crate::raster::Image;
@@ -22,9 +23,6 @@ pub(super) enum Needles {
     /// Long, in fans: pine.
     Fan,
 }
-
-/// Samples along a side of a texel.
-const FINENESS: u32 = 3;
 
 /// Shoots of a twig.
 const SHOOTS: u32 = 10;
@@ -48,7 +46,7 @@ pub(super) fn needle_twigs(
 ) -> Vec<Image<TwigTexel>> {
     let twig = |index: u32| {
         let mut random = seed.derive("needle twig", u64::from(index)).random();
-        let mut canvas = Canvas::new(size * FINENESS);
+        let mut canvas = Canvas::new(size);
         let turn = random.between(0.0, std::f64::consts::TAU);
         for shoot in 0..SHOOTS {
             // Neighbours are not drawn one after the other: none lies wholly above the next.
@@ -137,7 +135,7 @@ impl Shoot {
                 let tip =
                     place + direction(angle + hand * lean) * (length * random.between(0.8, 1.15));
                 let shade = 128.0 * self.light * random.between(0.78, 1.22);
-                canvas.stroke([place, tip], COMB_HALF, shade);
+                stroke(canvas, [place, tip], COMB_HALF, shade);
             }
         }
     }
@@ -154,11 +152,8 @@ impl Shoot {
                 let root = place - direction(angle) * (0.05 * random.unit());
                 let length = FAN_LENGTH * random.between(0.75, 1.1);
                 let shade = 128.0 * self.light * random.between(0.75, 1.25);
-                canvas.stroke(
-                    [root, root + direction(angle + lean) * length],
-                    FAN_HALF,
-                    shade,
-                );
+                let ends = [root, root + direction(angle + lean) * length];
+                stroke(canvas, ends, FAN_HALF, shade);
             }
         }
     }
@@ -167,72 +162,20 @@ impl Shoot {
         const PIECES: u32 = 8;
         let place = |i: u32| self.at(0.96 * f64::from(i) / f64::from(PIECES)).0;
         for i in 0..PIECES {
-            canvas.stroke([place(i), place(i + 1)], half, WOOD * self.light);
+            stroke(canvas, [place(i), place(i + 1)], half, WOOD * self.light);
         }
+    }
+}
+
+/// Draws a line; nothing of one that would leave the disc.
+fn stroke(canvas: &mut Canvas, ends: [DVec2; 2], half: f64, shade: f64) {
+    if ends[0].length().max(ends[1].length()) + half <= REACH {
+        canvas.stroke(ends, half, shade);
     }
 }
 
 fn direction(angle: f64) -> DVec2 {
     DVec2::new(libm::cos(angle), libm::sin(angle))
-}
-
-/// A picture of a twig in fine samples; 0: nothing.
-struct Canvas {
-    size: u32,
-    shades: Vec<u8>,
-}
-
-impl Canvas {
-    fn new(size: u32) -> Self {
-        Self {
-            size,
-            shades: vec![0; (size * size) as usize],
-        }
-    }
-
-    /// Draws a straight line of an even shade; nothing of one that would leave the disc.
-    fn stroke(&mut self, [from, to]: [DVec2; 2], half: f64, shade: f64) {
-        if from.length().max(to.length()) + half > REACH {
-            return;
-        }
-        let middle = f64::from(self.size) / 2.0;
-        let range = |a: f64, b: f64| {
-            let low = ((a.min(b) - half + 1.0) * middle).max(0.0) as u32;
-            let high = ((a.max(b) + half + 1.0) * middle) as u32 + 1;
-            low..high.min(self.size)
-        };
-        let along = to - from;
-        let per_length = 1.0 / along.length_squared().max(1e-12);
-        for y in range(from.y, to.y) {
-            for x in range(from.x, to.x) {
-                let place = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5) / middle - 1.0;
-                let share = ((place - from).dot(along) * per_length).clamp(0.0, 1.0);
-                if (from + along * share).distance(place) <= half {
-                    self.shades[(y * self.size + x) as usize] = shade.clamp(1.0, 255.0) as u8;
-                }
-            }
-        }
-    }
-
-    /// The mean of the samples of each texel.
-    fn reduced(&self) -> Image<TwigTexel> {
-        let size = self.size / FINENESS;
-        let texels = (0..size * size).map(|i| {
-            let (left, top) = (i % size * FINENESS, i / size * FINENESS);
-            let (mut sum, mut covered) = (0u32, 0u32);
-            for sample in 0..FINENESS * FINENESS {
-                let (x, y) = (left + sample % FINENESS, top + sample / FINENESS);
-                let shade = self.shades[(y * self.size + x) as usize];
-                sum += u32::from(shade);
-                covered += u32::from(shade > 0);
-            }
-            TwigTexel {
-                shade: sum.checked_div(covered).unwrap_or(128) as u8,
-                coverage: (covered * 255 / (FINENESS * FINENESS)) as u8,
-            }
-        });
-        Image::from_pixels(size, size, texels.collect())
-    }
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ use super::super::studio::Studio;
 use super::super::theme::{GAP, OVER_PHOTO, TIGHT, tokens};
 use super::canvas::swatch;
 use super::field::{Field, dice, section};
+use super::leaves::leaf_row;
 use super::outline::Outline;
 use super::profile::ProfileEditor;
 use super::{empty, field};
@@ -58,7 +59,8 @@ impl Crown {
                 egui::Frame::NONE.inner_margin(GAP).show(ui, |ui| {
                     self.shape(ui, studio, photo, &mut settings, &mut change);
                     relief(ui, &mut settings, &mut change);
-                    self.foliage(ui, &mut settings, &mut change);
+                    let name = content.photos.get(&photo).map_or("", |photo| &photo.name);
+                    self.foliage(ui, name, &mut settings, &mut change);
                     sub_crowns(ui, studio, photo, &mut settings, &mut change);
                 });
             });
@@ -205,8 +207,15 @@ impl Crown {
     }
 
     /// What the leaves are and where.
-    fn foliage(&mut self, ui: &mut Ui, settings: &mut CrownSettings, change: &mut Option<Change>) {
+    fn foliage(
+        &mut self,
+        ui: &mut Ui,
+        photo: &str,
+        settings: &mut CrownSettings,
+        change: &mut Option<Change>,
+    ) {
         section(ui, "Foliage");
+        leaf_row(ui, photo, settings, change);
         let front = ui.checkbox(&mut settings.photo_front, "Photograph on the front");
         if front
             .on_hover_text(

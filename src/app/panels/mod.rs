@@ -12,6 +12,7 @@ mod gallery_tile;
 mod grid;
 mod icon;
 mod jobs;
+pub(super) mod leaves;
 mod library_map;
 mod mix;
 mod outline;

@@ -176,7 +176,7 @@ impl Card {
             crowns: std::slice::from_ref(&look.shown.prepared),
             instances: &[CrownInstance::plain(0)],
             meshes: &meshes,
-            leaves: leaves(),
+            leaves: leaves(look.shown.leaf),
             camera: &look.camera,
             light: &look.light,
             backdrop: studio.live.backdrop,

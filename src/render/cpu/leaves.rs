@@ -3,6 +3,9 @@
 //! Leaves are pictures of twigs parallel to the picture's plane, so each is a square on the screen
 //! with one depth. Their number follows the crown's size on the screen, and their size follows
 //! their number, so that they cover the crown alike; the last ones grow from nothing.
+//!
+//! A palm has fronds instead: long pictures that go from the crown's heart to its surface, so each is turned
+//! on the screen as its rib runs there, as long as that looks from the eye, and bent upwards by an arch.
 
 use super::crown::{level_for, radius_in_samples, sunlit_at, surface_at};
 use super::dither::{hash, hashed, pattern};
@@ -10,6 +13,7 @@ use super::shade::{Place, shaded};
 use super::{Band, Drawn};
 use crate::render::LeafSet;
 use crate::render::frame::{Frame, InstanceNumbers, leaf_freedom};
+use crate::render::fronds::{ARCH, SLENDER};
 use crate::render::leaf_atlas::{LeafAtlas, VARIANTS};
 use crate::render::surface::normal_from;
 use glam::Vec3;
@@ -26,16 +30,16 @@ const STANDS_OUT: f32 = 1.07;
 const FREEST: f32 = 0.6;
 /// How much a twig's normals spread, as those of a ball would.
 const SPREAD: f32 = 0.55;
+/// Shortest that a frond looks that points at the eye, by its width.
+const SHORTEST: f32 = 0.5;
 
 /// A leaf on the screen.
 pub(super) struct Leaf {
-    /// Centre and half the side, samples.
+    /// Centre, samples.
     x: f32,
     y: f32,
-    half: f32,
     depth: f32,
-    /// Cosine and sine of its turn.
-    spin: (f32, f32),
+    laid: Laid,
     variant: u32,
     /// Level of the twig's picture.
     level: f32,
@@ -92,13 +96,21 @@ fn leaf(
     let direction = drawn_out * (1.0 / drawn_out.dot(drawn_out).sqrt().max(1e-6));
     let shape_level = numbers.radius_levels.max(4) - 4;
     let reach = radius.sampled(direction, numbers.radius_levels.max(6) - 6);
-    let point = if frame.leaf_clip == 0 {
+    let rib = direction * (STANDS_OUT * reach * grown * (0.6 + 0.4 * vary).min(1.0));
+    let point = if frame.fronds != 0 {
+        rib * 0.5
+    } else if frame.leaf_clip == 0 {
         let out = STANDS_OUT * reach * (DEEPEST + (1.0 - DEEPEST) * share) - DRAWN_BACK * half_m;
         direction * out.max(0.0)
     } else {
         ball * numbers.radius_range[1]
     };
-    let depth_share = point.dot(point).sqrt() / reach;
+    // A frond is dark at its heart by its picture.
+    let depth_share = if frame.fronds == 0 {
+        point.dot(point).sqrt() / reach
+    } else {
+        1.0
+    };
     if depth_share > 1.0 && frame.leaf_clip == 1 && depth_share * reach - half_m * 1.5 > reach {
         return None;
     }
@@ -109,10 +121,19 @@ fn leaf(
         return None;
     }
     let metres_a_sample = away * frame.sample_size;
-    let half = half_m * instance.scale / metres_a_sample;
+    let angle = hashed(salt ^ 2) * std::f32::consts::TAU;
+    let samples = instance.scale / metres_a_sample;
+    let laid = if frame.fronds == 0 {
+        Laid::leaf(half_m * instance.scale / metres_a_sample, angle)
+    } else {
+        Laid::frond(
+            frame,
+            instance.world(rib) * samples,
+            samples * reach * numbers.leaf_side,
+        )
+    };
     let across = seen.dot(Vec3::from(frame.right)) / (away * frame.tan_x);
     let upward = seen.dot(Vec3::from(frame.up)) / (away * frame.tan_y);
-    let angle = hashed(salt ^ 2) * std::f32::consts::TAU;
     let color_level = numbers.surface_levels.max(3) - 3;
     let (albedo, open) = surface_at(&drawn.crown.surface, direction, color_level);
     // Shade is that of the surface above the leaf: within the crown nothing would be lit.
@@ -120,13 +141,12 @@ fn leaf(
     let above = direction * reach + normal_local * (0.05 * numbers.mean_radius);
     let inside = (depth_share - 0.45).clamp(0.0, 0.45) / 0.45;
     let bright = 1.1 + 0.2 * hashed(salt ^ 3);
-    let texels = atlas.size() as f32 / (2.0 * half).max(1.0);
+    let texels = atlas.size() as f32 / (2.0 * laid.half / laid.stretch.sqrt()).max(1.0);
     Some(Leaf {
         x: (across + 1.0) * 0.5 * frame.size[0],
         y: (1.0 - upward) * 0.5 * frame.size[1],
-        half,
         depth: frame.near / away,
-        spin: (libm::cosf(angle), libm::sinf(angle)),
+        laid,
         variant: salt % VARIANTS,
         level: libm::log2f(texels.max(1.0)).min((atlas.level_count() - 1) as f32),
         salt,
@@ -144,6 +164,55 @@ fn leaf(
     })
 }
 
+/// How a leaf lies on the screen.
+struct Laid {
+    /// Half the side, samples.
+    half: f32,
+    /// Cosine and sine of its turn.
+    spin: (f32, f32),
+    /// How far it reaches to the right and down, in halves of its side.
+    extent: (f32, f32),
+    /// Halves of its side by halves of its width.
+    stretch: f32,
+    /// How far the middle of its rib lies aside of the ends, in halves of the width.
+    bend: f32,
+}
+
+impl Laid {
+    /// A square twig, turned by `angle`.
+    fn leaf(half: f32, angle: f32) -> Self {
+        Self {
+            half,
+            spin: (libm::cosf(angle), libm::sinf(angle)),
+            extent: (1.0, 1.0),
+            stretch: 1.0,
+            bend: 0.0,
+        }
+    }
+
+    /// A frond whose rib is `rib`, world, in samples, and would be `full` long at most.
+    fn frond(frame: &Frame, rib: Vec3, full: f32) -> Self {
+        let (right, up) = (Vec3::from(frame.right), Vec3::from(frame.up));
+        let (x, y) = (rib.dot(right), -rib.dot(up));
+        let length = (x * x + y * y).sqrt();
+        let half_width = 0.5 * SLENDER * full;
+        let half = (0.5 * length).max(SHORTEST * half_width);
+        let (x, y) = (x / length.max(1e-6), y / length.max(1e-6));
+        let aside = (rib.x * rib.x + rib.z * rib.z).sqrt();
+        // The arch goes up on the screen; what of it is across the rib bends the frond.
+        let bend = -ARCH * aside * up.y * x / half_width.max(1e-6);
+        let stretch = half / half_width.max(1e-6);
+        let wide = (1.0 + bend.abs()) / stretch;
+        Self {
+            half,
+            spin: (-y, -x),
+            extent: (y.abs() * wide + x.abs(), x.abs() * wide + y.abs()),
+            stretch,
+            bend,
+        }
+    }
+}
+
 /// Draws leaves into a band.
 pub(super) fn draw(
     frame: &Frame,
@@ -153,10 +222,14 @@ pub(super) fn draw(
     band: &mut Band<'_>,
 ) {
     for leaf in leaves {
-        let top = (leaf.y - leaf.half).max(band.rows.0 as f32) as u32;
-        let bottom = (leaf.y + leaf.half + 1.0).clamp(0.0, band.rows.1 as f32) as u32;
-        let left = (leaf.x - leaf.half).max(0.0) as u32;
-        let right = (leaf.x + leaf.half + 1.0).clamp(0.0, band.width as f32) as u32;
+        let (wide, high) = (
+            leaf.laid.half * leaf.laid.extent.0,
+            leaf.laid.half * leaf.laid.extent.1,
+        );
+        let top = (leaf.y - high).max(band.rows.0 as f32) as u32;
+        let bottom = (leaf.y + high + 1.0).clamp(0.0, band.rows.1 as f32) as u32;
+        let left = (leaf.x - wide).max(0.0) as u32;
+        let right = (leaf.x + wide + 1.0).clamp(0.0, band.width as f32) as u32;
         for y in top..bottom {
             for x in left..right {
                 if !band.shows(x, y, leaf.depth) {
@@ -180,13 +253,17 @@ fn sample(
     (x, y): (u32, u32),
 ) -> Option<Vec3> {
     let InstanceNumbers { fade, dither, .. } = drawn.instance;
-    let across = (x as f32 + 0.5 - leaf.x) / leaf.half;
-    let down = (y as f32 + 0.5 - leaf.y) / leaf.half;
-    if across.abs() > 1.0 || down.abs() > 1.0 || pattern(x, y, dither) >= fade {
+    let across = (x as f32 + 0.5 - leaf.x) / leaf.laid.half;
+    let down = (y as f32 + 0.5 - leaf.y) / leaf.laid.half;
+    let (wide, high) = leaf.laid.extent;
+    if across.abs() > wide || down.abs() > high || pattern(x, y, dither) >= fade {
         return None;
     }
-    let u = 0.5 + 0.5 * (leaf.spin.0 * across - leaf.spin.1 * down);
-    let v = 0.5 + 0.5 * (leaf.spin.1 * across + leaf.spin.0 * down);
+    let along = leaf.laid.spin.1 * across + leaf.laid.spin.0 * down;
+    let bent = leaf.laid.bend * (1.0 - along * along);
+    let u = 0.5
+        + 0.5 * ((leaf.laid.spin.0 * across - leaf.laid.spin.1 * down) * leaf.laid.stretch - bent);
+    let v = 0.5 + 0.5 * along;
     let whole = leaf.level as u32;
     let near = atlas.sampled(leaf.variant, whole, u, v);
     let far = atlas.sampled(leaf.variant, (whole + 1).min(atlas.level_count() - 1), u, v);
@@ -200,7 +277,7 @@ fn sample(
     }
     let aside = Vec3::from(frame.right) * across - Vec3::from(frame.up) * down;
     if leaf.bound < 1.0 + FREEST {
-        let local = drawn.instance.local(aside) * (leaf.half * leaf.metres_a_sample);
+        let local = drawn.instance.local(aside) * (leaf.laid.half * leaf.metres_a_sample);
         let place = leaf.point + local;
         let level = level_for(
             drawn.numbers.radius_size,
@@ -211,8 +288,8 @@ fn sample(
             return None;
         }
     }
-    let bent = leaf.normal + aside * SPREAD;
-    let normal = bent * (1.0 / bent.dot(bent).sqrt());
+    let turned = leaf.normal + aside * SPREAD;
+    let normal = turned * (1.0 / turned.dot(turned).sqrt());
     if frame.view != 0 {
         return Some(match frame.view {
             2 => normal * 0.5 + Vec3::splat(0.5),

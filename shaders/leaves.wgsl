@@ -138,7 +138,7 @@ fn corner(@builtin(vertex_index) vertex: u32, in: Crown) -> Leaf {
         let world_rib = world_from_local(in.turn, rib) * samples;
         let screen = vec2(dot(world_rib, frame.right), -dot(world_rib, frame.up));
         let length = sqrt(dot(screen, screen));
-        let half_width = 0.5 * SLENDER * (samples * reach * crown.leaf_side);
+        let half_width = 0.5 * SLENDER * (samples * reach);
         half_side = max(0.5 * length, SHORTEST * half_width);
         let axis = screen / max(length, 1e-6);
         let aside = sqrt(world_rib.x * world_rib.x + world_rib.z * world_rib.z);

@@ -23,6 +23,7 @@ fn crown(size: u32, radius: impl Fn(DVec3) -> f64, color: impl Fn(DVec3) -> [u8;
         height: Cubemap::filled(size, 0.5),
         base_mesh: Mesh::default(),
         cover: 1.0,
+        stem: None,
     }
 }
 

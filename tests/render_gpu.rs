@@ -138,6 +138,7 @@ fn lumpy() -> Crown {
         height: Cubemap::filled(128, 0.5),
         base_mesh: Mesh::default(),
         cover: 1.0,
+        stem: None,
     }
 }
 

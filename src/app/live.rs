@@ -329,14 +329,14 @@ impl Studio {
             let Some(making) = self.making(wanted, serial) else {
                 return;
             };
-            let work = move |context: &Context<Outcome>| making.quick(context);
+            let work = move |context: &Context<Outcome>| making.pictured().quick(context);
             let request = Request::new("Shaping the crown", QUICK, Priority::Interactive, work);
             self.live.quick = Some((self.jobs.submit(request), serial));
         } else if self.live.full_done < serial && self.live.full.is_none() && rests {
             let Some(making) = self.making(wanted, serial) else {
                 return;
             };
-            let work = move |context: &Context<Outcome>| making.full(context);
+            let work = move |context: &Context<Outcome>| making.pictured().full(context);
             let request = Request::new("Growing foliage", FULL, Priority::Preview, work);
             self.live.full = Some((self.jobs.submit(request), serial));
         }

@@ -24,6 +24,13 @@ pub(super) struct Making {
 }
 
 impl Making {
+    /// With what the picture shows of stem and leaves.
+    pub(super) fn pictured(mut self) -> Self {
+        let LiveInput { photo, labels } = &self.input;
+        self.request = self.request.pictured(photo, labels, self.leaf);
+        self
+    }
+
     /// A coarse crown first; then, where no mask was painted, the crown at its own size. The second is
     /// given up when a later edit comes.
     pub(super) fn quick(&self, context: &Context<Outcome>) -> Result<Outcome, JobError> {

@@ -135,8 +135,17 @@ impl Planned {
         folder: &Path,
         run: &Run<'_>,
     ) -> Result<(), Failure> {
-        let request = CrownRequest::of(&self.settings);
-        let request = request.map_err(|error| Failure::of(&self.photo_name, error))?;
+        let failed = |error: &dyn std::fmt::Display| Failure::of(&self.photo_name, error);
+        let photo: Image<Straight> = read_image_from_memory(
+            &self.bytes,
+            Path::new(&self.photo_name),
+            ReadLimits::default(),
+        )
+        .map_err(|error| failed(&error))?;
+        let request = CrownRequest::of(&self.settings).map_err(|error| failed(&error))?;
+        let named = leaf_of_picture(&self.photo_name);
+        let leaf = leaf.or(self.settings.leaf).or(named);
+        let request = request.pictured(&photo, &self.mask, leaf.unwrap_or_default());
         let regions = self.regions(&request);
         let mask = encode_grey_png(&self.mask_picture(), Compression::Fast);
         let ending = Path::new(&self.photo_name).extension();
@@ -153,13 +162,11 @@ impl Planned {
             segmenter: None,
             seed: request.seed.0,
             settings: request.settings,
-            leaf: leaf
-                .or(self.settings.leaf)
-                .or_else(|| leaf_of_picture(&self.photo_name)),
+            leaf,
             regions,
         };
         if recipe.kept(folder, &run.output).is_none() {
-            let crown = self.crown(&recipe, run)?;
+            let crown = self.crown(&photo, &recipe, run)?;
             let what = &self.photo_name;
             recipe.write(&crown, folder, &run.output, what, run.cancel)?;
         }
@@ -205,17 +212,17 @@ impl Planned {
         })
     }
 
-    fn crown(&self, recipe: &CrownRecipe, run: &Run<'_>) -> Result<Crown, Failure> {
-        let failed = |error: &dyn std::fmt::Display| Failure::of(&self.photo_name, error);
-        let name = Path::new(&self.photo_name);
-        let photo: Image<Straight> =
-            read_image_from_memory(&self.bytes, name, ReadLimits::default())
-                .map_err(|error| failed(&error))?;
+    fn crown(
+        &self,
+        photo: &Image<Straight>,
+        recipe: &CrownRecipe,
+        run: &Run<'_>,
+    ) -> Result<Crown, Failure> {
         let (settings, seed) = (&recipe.settings, Seed(recipe.seed));
         let (progress, cancel) = (crate::base::Progress::silent(), run.cancel);
         let all = self.mask.mask(is_crown);
         let made = if recipe.regions.is_empty() {
-            crown(&photo, &all, settings, seed, progress, cancel)
+            crown(photo, &all, settings, seed, progress, cancel)
         } else {
             let bounds = opaque_bounds(&all).map_or(1, |b| b.width.max(b.height));
             let photo_px = f64::from(bounds) / f64::from(settings.size);
@@ -230,11 +237,11 @@ impl Planned {
                 .zip(self.labels())
                 .map(sub_crown)
                 .collect();
-            crown_of_regions(&photo, &regions, settings, seed, progress, cancel)
+            crown_of_regions(photo, &regions, settings, seed, progress, cancel)
         };
         made.map_err(|error| match error.is_cancelled() {
             true => Failure::Cancelled,
-            false => failed(&error),
+            false => Failure::of(&self.photo_name, error),
         })
     }
 }

@@ -14,7 +14,7 @@ use crate::branches::leaf_name::LeafName;
 use crate::crown::Tangent;
 use crate::export::{bled, crown_file_names};
 use crate::pipeline::{CrownError, CrownSettings, crown, leaf_of_picture};
-use crate::raster::{Image, Mask, Straight, closed_and_filled, dilated, eroded, opaque_bounds};
+use crate::raster::{Image, Mask, Straight, dilated, eroded, opaque_bounds};
 use crate::segment::Label;
 use crate::variation::{Tree, is_evergreen, stands_straight};
 use serde_json::json;
@@ -167,31 +167,6 @@ fn tuft(settings: CrownSettings) -> CrownSettings {
     }
 }
 
-/// How wide bays and gaps may be that belong to the outline which leaves are spread in, as a share of the
-/// picture's side.
-const BAY: f64 = 0.035;
-
-/// How much of its outline the crown of `tree` fills, 0 to 1: the mean alpha in it.
-fn cover(tree: &Tree) -> f64 {
-    let pixels = tree.image.pixels().iter().zip(tree.labels.pixels());
-    let alpha = pixels.map(|(pixel, label)| match label {
-        Label::Crown => pixel.alpha(),
-        _ => 0,
-    });
-    let (width, height) = (tree.image.width(), tree.image.height());
-    let alpha: Image<u8> = Image::from_pixels(width, height, alpha.collect());
-    let reach = (BAY * f64::from(width)).round().clamp(1.0, 60.0) as u8;
-    let seen = alpha.map(|&alpha| alpha >= 96);
-    let outline = closed_and_filled(&seen, reach);
-    let within = alpha.pixels().iter().zip(outline.pixels());
-    let (mut sum, mut count) = (0.0, 0.0);
-    for (&alpha, _) in within.filter(|(_, is_within)| **is_within) {
-        sum += f64::from(alpha) / 255.0;
-        count += 1.0;
-    }
-    (sum / f64::max(count, 1.0)).min(1.0)
-}
-
 /// The pixels of a tree that are its crown, narrow gaps between leaves included.
 fn crown_mask(tree: &Tree) -> Mask {
     let pixels = tree.image.pixels().iter().zip(tree.labels.pixels());
@@ -220,14 +195,17 @@ fn settings_of(tree: &Tree, mask: &Mask, size: u32) -> Option<CrownSettings> {
     let crown = opaque_bounds(mask)?;
     let whole = opaque_bounds(&tree.image.map(|pixel| pixel.alpha() >= 128))?;
     let metres = |pixels: u32| HEIGHT_M * f64::from(pixels) / f64::from(whole.height.max(1));
+    let trunk = tree.labels.map(|label| *label == Label::Trunk);
     let below = (whole.y + whole.height).saturating_sub(crown.y + crown.height);
-    Some(CrownSettings {
+    let settings = CrownSettings {
         size,
         photo_front: true,
         height_m: metres(crown.height),
         trunk_height_m: Some(metres(below)),
         round: stands_straight(tree),
-        cover: cover(tree),
         ..CrownSettings::default()
-    })
+    };
+    let leaves = tree.labels.map(|label| *label == Label::Crown);
+    // What a palm's is, `tuft` says.
+    Some(settings.masked(&tree.image, [&leaves, &trunk], LeafName::default()))
 }

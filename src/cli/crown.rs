@@ -164,8 +164,11 @@ impl Flags {
                 (mask, Some(SegmenterRecord::of(segmenter.as_ref())))
             }
         };
-        drop(stage);
         let name = photo_path.file_name();
+        let named = name.and_then(|name| leaf_of_picture(&name.to_string_lossy()));
+        let leaf = self.leaf.or(named);
+        let settings = mask.pictured(settings, &photo, leaf.unwrap_or_default())?;
+        drop(stage);
         let recipe = CrownRecipe {
             photo: photo_path.display().to_string(),
             photo_digest: photo.digest().to_string(),
@@ -174,9 +177,7 @@ impl Flags {
             segmenter,
             seed: session.options.seed,
             settings,
-            leaf: self
-                .leaf
-                .or_else(|| name.and_then(|name| leaf_of_picture(&name.to_string_lossy()))),
+            leaf,
             regions: regions.unwrap_or_default(),
         };
         Ok(Inputs {
@@ -257,6 +258,8 @@ enum CrownMask {
     /// A segmenter says so.
     Found {
         picture: Image<Straight>,
+        /// The stem's pixels.
+        trunk: Mask,
         provenance: Provenance,
     },
 }
@@ -299,6 +302,7 @@ impl CrownMask {
         let picture = grey_from_labels(&crown).map(|&grey| Straight([grey, grey, grey, 255]));
         Ok(Self::Found {
             picture,
+            trunk: labels.map(|&label| label == Label::Trunk),
             provenance,
         })
     }
@@ -309,6 +313,21 @@ impl CrownMask {
             Self::File(file) => file.decoded(),
             Self::Found { picture, .. } => Ok(picture.clone()),
         }
+    }
+
+    /// `settings` with what the picture shows beside the crown's outline, where that was found: see
+    /// [`CrownSettings::pictured`].
+    fn pictured(
+        &self,
+        settings: CrownSettings,
+        photo: &PictureFile,
+        leaf: LeafName,
+    ) -> Result<CrownSettings, Failure> {
+        let Self::Found { picture, trunk, .. } = self else {
+            return Ok(settings);
+        };
+        let crown = mask_from(picture);
+        Ok(settings.masked(&photo.decoded()?, [&crown, trunk], leaf))
     }
 
     /// The digest of the file, or of the pixels.

@@ -19,7 +19,7 @@ use crate::raster::{
     Compression, CubeFace, Cubemap, Grey16Error, Image, ImageError, ReadLimits, Straight,
     decode_grey16_png, encode_grey16_png, encode_png, read_image_from_memory,
 };
-use crate::scene::Crown;
+use crate::scene::{Crown, StemLook};
 use glam::DVec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -72,6 +72,9 @@ pub struct CrownRecord {
     /// How much of its outline leaves fill, 0 to 1; where it is not told, all.
     #[serde(default = "closed", skip_serializing_if = "is_closed")]
     pub cover: f32,
+    /// What its picture shows of the stem; where it is not told, one that suits the tree's height.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stem: Option<StemLook>,
     /// What the crown was made from: inputs, digests, settings, seed.
     pub recipe: serde_json::Value,
 }
@@ -106,6 +109,7 @@ impl CrownRecord {
             radius_min_m,
             radius_max_m,
             cover: crown.cover,
+            stem: crown.stem,
             recipe,
         }
     }
@@ -128,9 +132,10 @@ impl CrownRecord {
         let radius_is_real = radius > 0.0 && is_near(&radius);
         let size_is_real = (1..=LARGEST_FACE).contains(&record.size);
         let cover_is_share = (0.0..=1.0).contains(&record.cover);
-        if !(center_is_near && radius_is_real && size_is_real && cover_is_share) {
+        let stem_is_sound = record.stem.is_none_or(|stem| stem.is_sound());
+        if !(center_is_near && radius_is_real && size_is_real && cover_is_share && stem_is_sound) {
             return Err(failed(
-                "its centre, radius, size or cover is out of range".to_owned(),
+                "its centre, radius, size, cover or stem is out of range".to_owned(),
             ));
         }
         Ok(record)
@@ -257,6 +262,7 @@ pub fn crown_from_files<E: From<CrownFolderError>>(
         height: height.map(|&value| (f64::from(value) / 65_535.0) as f32),
         base_mesh: decode_ply(&read(BASE_MESH)?).map_err(CrownFolderError::from)?,
         cover: record.cover,
+        stem: record.stem,
     };
     Ok((crown, record))
 }
@@ -327,6 +333,7 @@ mod tests {
             }),
             height: Cubemap::from_directions(8, |d| (0.5 + 0.5 * d.z) as f32),
             cover: 1.0,
+            stem: None,
             base_mesh: Mesh {
                 positions: vec![DVec3::X, DVec3::Y, DVec3::Z, DVec3::splat(-1.0)],
                 triangles: vec![[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]],

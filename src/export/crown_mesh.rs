@@ -85,6 +85,7 @@ mod tests {
             height: Cubemap::filled(32, 0.5),
             base_mesh: Mesh::default(),
             cover: 1.0,
+            stem: None,
         };
         let bytes = crown_glb(&crown).unwrap();
         let (document, buffers, images) = gltf::import_slice(&bytes).unwrap();

@@ -356,6 +356,7 @@ mod tests {
             height: Cubemap::filled(32, 0.5),
             base_mesh: crate::geometry::Mesh::default(),
             cover: 1.0,
+            stem: None,
         };
         let stand = Stand {
             height_m: 7.0,

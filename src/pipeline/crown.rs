@@ -18,7 +18,7 @@ use crate::crown::{
 };
 use crate::geometry::{Mesh, Point};
 use crate::raster::{Cubemap, Image, Mask, Rect, Straight, opaque_bounds};
-use crate::scene::Crown;
+use crate::scene::{Crown, StemLook};
 use crate::synth::{CrownSurface, CubemapSettings, Extent, SynthesisError, foliage_cubemap};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -58,6 +58,9 @@ pub struct CrownSettings {
     /// How much of the crown's outline leaves fill, 0 to 1: in sparse ones one sees the stem.
     #[serde(skip_serializing_if = "is_closed")]
     pub cover: f64,
+    /// What the picture shows of the stem, [`super::stem_in`]; otherwise one that suits the tree's height.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stem: Option<StemLook>,
 }
 
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it")]
@@ -96,6 +99,7 @@ impl Default for CrownSettings {
             trunk_height_m: None,
             round: false,
             cover: 1.0,
+            stem: None,
         }
     }
 }
@@ -198,6 +202,12 @@ impl CrownSettings {
                 (0.0..=1.0).contains(&self.cover),
                 "0 to 1",
             ),
+            (
+                "stem",
+                self.stem.map_or(0.0, |stem| stem.base_radius_m),
+                self.stem.is_none_or(|stem| stem.is_sound()),
+                "a stem with radii from 0.0001 to 100 m",
+            ),
         ];
         match rules.into_iter().find(|rule| !rule.2) {
             None => self.relief.check(),
@@ -291,6 +301,7 @@ fn with_relief(
         height,
         base_mesh: shape.base_mesh,
         cover: settings.cover as f32,
+        stem: settings.stem,
     })
 }
 

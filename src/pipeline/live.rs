@@ -248,6 +248,7 @@ impl LiveCrown {
             height: height.value.clone(),
             base_mesh: shape.base_mesh.clone(),
             cover: settings.cover as f32,
+            stem: settings.stem,
         };
         Ok(LiveResult {
             crown: Arc::new(crown),
@@ -439,6 +440,8 @@ fn without_relief(settings: &CrownSettings) -> CrownSettings {
     CrownSettings {
         rho: CrownSettings::default().rho,
         relief: ReliefSettings::default(),
+        stem: None,
+        cover: 1.0,
         ..settings.clone()
     }
 }

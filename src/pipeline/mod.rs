@@ -6,6 +6,7 @@
 //! Imports `base`, `raster`, `geometry`, `contour`, `segment`, `paint`, `variation`, `crown`, `synth`,
 //! `scene`, `document` (settings).
 
+mod cover;
 mod crown;
 mod frame;
 mod gallery;
@@ -13,7 +14,9 @@ mod k_map;
 mod leaf;
 mod live;
 mod picture_shape;
+mod pictured;
 mod request;
+mod stem;
 mod tree_maps;
 
 pub use crown::{
@@ -29,5 +32,6 @@ pub use k_map::k_on_mesh;
 pub use leaf::leaf_of_picture;
 pub use live::{LiveCrown, LiveInput, LiveResult, Quality};
 pub use picture_shape::{PictureShape, picture_shape};
+pub use pictured::Pixels;
 pub use request::{CrownRequest, is_crown};
 pub use tree_maps::{DEPTH_SHARE, TreeMaps, tree_maps};

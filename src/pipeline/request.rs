@@ -4,7 +4,9 @@
 //! defaults of the command line, so that a photograph and its mask give the same crown in both.
 
 use super::crown::{CrownError, CrownSettings};
+use super::pictured::Pixels;
 use crate::base::Seed;
+use crate::branches::leaf_name::LeafName;
 use crate::crown::{Profile, SubCrown, Tangent};
 use crate::document;
 use crate::geometry::Point;
@@ -60,6 +62,25 @@ impl CrownRequest {
             sub_crown_depths: asked.sub_crown_depths.clone(),
             seed: Seed(asked.seed),
         })
+    }
+
+    /// The same with what `photo` shows of the tree that is labelled: [`CrownSettings::pictured`].
+    #[must_use]
+    pub fn pictured(mut self, photo: &Image<Straight>, labels: &TiledMask, leaf: LeafName) -> Self {
+        let is_trunk = |label: u8| label == TRUNK;
+        let (of_crown, of_trunk) = (
+            |x, y| is_crown(labels.at(x, y)),
+            |x, y| is_trunk(labels.at(x, y)),
+        );
+        let Some(bounds) = labels.bounds(is_crown) else {
+            return self;
+        };
+        let has = &of_crown;
+        let crown = Pixels { bounds, has };
+        let has = &of_trunk;
+        let trunk = labels.bounds(is_trunk).map(|bounds| Pixels { bounds, has });
+        self.settings = self.settings.pictured(photo, &crown, trunk.as_ref(), leaf);
+        self
     }
 
     /// The sub-crowns of a picture whose masks are `regions`: all with one k, each at its depth.

@@ -6,6 +6,7 @@ use crate::base::Digest;
 use crate::branches::bark::{Bark, BarkKind};
 use crate::crown::cube_sphere;
 use crate::geometry::Mesh;
+use crate::raster::Straight;
 use crate::scene::{Crown, Trunk};
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
@@ -155,11 +156,7 @@ fn corners(mesh: &Mesh, color: impl Fn(usize) -> [f32; 3]) -> Vec<MeshVertex> {
 
 /// The place of the bark at the share `turn` around and `along` up a stem, and its linear colour.
 pub(crate) fn on_trunk(trunk: &Trunk, turn: f64, along: f64) -> (DVec3, [f32; 3]) {
-    let bark = Bark {
-        kind: BarkKind::Furrowed,
-        low: [112, 98, 82],
-        high: [120, 108, 92],
-    };
+    let bark = bark_of(trunk);
     let angle = turn * std::f64::consts::TAU;
     let outward = DVec3::new(libm::cos(angle), 0.0, libm::sin(angle));
     let height = (trunk.top_m.y - trunk.base_m.y) * along;
@@ -177,6 +174,38 @@ pub(crate) fn on_trunk(trunk: &Trunk, turn: f64, along: f64) -> (DVec3, [f32; 3]
         [linear(color.x), linear(color.y), linear(color.z)],
     )
 }
+
+/// The bark of a stem: in the colour that its picture shows, or that of an oak.
+fn bark_of(trunk: &Trunk) -> Bark {
+    let Some(seen) = trunk.bark else {
+        return Bark {
+            kind: BarkKind::Furrowed,
+            low: [112, 98, 82],
+            high: [120, 108, 92],
+        };
+    };
+    let luma = Straight([seen[0], seen[1], seen[2], 255]).luma();
+    let is_grey = seen.iter().max().zip(seen.iter().min());
+    let is_grey = is_grey.is_some_and(|(most, least)| most - least < GREY);
+    let lit = seen.map(|channel| (LIFT * f32::from(channel)).min(245.0) as u8);
+    let is_birch = is_grey && luma > WHITE;
+    Bark {
+        kind: if is_birch {
+            BarkKind::Birch
+        } else {
+            BarkKind::Furrowed
+        },
+        low: lit,
+        high: lit,
+    }
+}
+
+/// How much lighter bark is than its picture: furrows darken it again, and the picture has shade in it.
+const LIFT: f32 = 1.3;
+
+/// Least brightness of a birch's bark, 0 … 255, and most difference of its channels.
+const WHITE: f32 = 150.0;
+const GREY: u8 = 50;
 
 /// The share of the light that reaches a place beneath a crown: the less the nearer to its surface.
 fn below_crown(crown: &Crown, position: DVec3) -> f32 {
@@ -213,6 +242,7 @@ mod tests {
             height: Cubemap::filled(16, 0.5),
             base_mesh: Mesh::default(),
             cover: 1.0,
+            stem: None,
         }
     }
 

@@ -186,6 +186,7 @@ mod tests {
             height: Cubemap::filled(16, 0.5),
             base_mesh: Mesh::default(),
             cover: 1.0,
+            stem: None,
         };
         let prepared = PreparedCrown::new(&crown, &Cancel::new()).unwrap();
         let ([texel, ..], _, _) = prepared.surface.around(Vec3::Z, 1);
@@ -202,6 +203,7 @@ mod tests {
             height: Cubemap::filled(16, 0.5),
             base_mesh: Mesh::default(),
             cover: 1.0,
+            stem: None,
         };
         let prepared = |crown: &Crown| PreparedCrown::new(crown, &Cancel::new()).unwrap();
         let one = prepared(&crown(2.0, 50));

@@ -1,5 +1,6 @@
 //! A crown, ready to be drawn.
 
+use super::StemLook;
 use crate::geometry::Mesh;
 use crate::raster::{CubeFace, Cubemap, Straight};
 use glam::DVec3;
@@ -21,6 +22,8 @@ pub struct Crown {
     pub base_mesh: Mesh,
     /// How much of the crown's outline leaves fill, as one sees it: 0 nothing, 1 no sky shows through.
     pub cover: f32,
+    /// What its picture shows of the stem, if anything.
+    pub stem: Option<StemLook>,
 }
 
 impl Crown {

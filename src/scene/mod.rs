@@ -9,10 +9,12 @@ mod camera;
 mod crown;
 mod instance;
 mod light;
+mod stem_look;
 mod trunk;
 
 pub use camera::{Camera, ViewAxes};
 pub use crown::Crown;
 pub use instance::CrownInstance;
 pub use light::{Backdrop, Light};
+pub use stem_look::StemLook;
 pub use trunk::Trunk;

@@ -16,6 +16,8 @@ pub struct Trunk {
     pub top_radius_m: f64,
     /// How far it bows out half-way, metres.
     pub bow_m: DVec3,
+    /// Mean colour of its bark, sRGB, where a picture shows it.
+    pub bark: Option<[u8; 3]>,
 }
 
 /// Cover below which one sees the stem within the crown, and how far up it then stands, as a share of the
@@ -27,23 +29,33 @@ const UPWARDS: f64 = 0.6;
 const SLENDERNESS: f64 = 0.022;
 
 impl Trunk {
-    /// A stem from the tree's base into the middle of `crown`, through most of a sparse one, as stout as the
-    /// tree's height asks for.
+    /// A stem from the tree's base into the middle of `crown`, through most of a sparse one, as its picture
+    /// shows it, or as stout as the tree's height asks for.
     pub fn under(crown: &Crown) -> Self {
         let (middle, _) = crown.tree_bounds();
         let height = 2.0 * middle.y;
-        let base_radius_m = SLENDERNESS * height;
+        let usual = SLENDERNESS * height;
+        let base_radius_m = crown.stem.map_or(usual, |stem| stem.base_radius_m);
         let foot = DVec3::new(0.0, 0.0, crown.center_m.z);
-        let (above, thin) = match crown.cover < OPEN {
-            true => (f64::from(crown.radius_m.sampled(DVec3::Y)) * UPWARDS, 0.12),
-            false => (0.0, 0.45),
+        // Where it ends in sight it is thin, whatever it is below the crown.
+        let (above, thin, thinnest) = match crown.cover < OPEN {
+            true => (
+                f64::from(crown.radius_m.sampled(DVec3::Y)) * UPWARDS,
+                0.12,
+                0.12,
+            ),
+            false => (0.0, 0.45, 1.0),
         };
+        let seen = crown
+            .stem
+            .map(|stem| stem.top_radius_m.min(thinnest * stem.base_radius_m));
         Self {
             base_m: foot,
             top_m: crown.center_m + DVec3::Y * above,
             base_radius_m,
-            top_radius_m: thin * base_radius_m,
-            bow_m: DVec3::new(0.5, 0.0, 0.3) * base_radius_m,
+            top_radius_m: seen.unwrap_or(thin * base_radius_m),
+            bow_m: DVec3::new(0.5, 0.0, 0.3) * usual,
+            bark: crown.stem.map(|stem| stem.bark),
         }
     }
 
@@ -73,6 +85,7 @@ mod tests {
             base_radius_m: 0.3,
             top_radius_m: 0.1,
             bow_m: DVec3::X * 0.1,
+            bark: None,
         };
         assert_eq!(trunk.axis_m(0.0), trunk.base_m);
         assert_eq!(trunk.axis_m(1.0), trunk.top_m);

@@ -479,6 +479,7 @@ fn lumpy() -> Crown {
         height: Cubemap::filled(256, 0.5),
         base_mesh: Mesh::default(),
         cover: 1.0,
+        stem: None,
     }
 }
 

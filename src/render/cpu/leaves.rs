@@ -126,11 +126,7 @@ fn leaf(
     let laid = if frame.fronds == 0 {
         Laid::leaf(half_m * instance.scale / metres_a_sample, angle)
     } else {
-        Laid::frond(
-            frame,
-            instance.world(rib) * samples,
-            samples * reach * numbers.leaf_side,
-        )
+        Laid::frond(frame, instance.world(rib) * samples, samples * reach)
     };
     let across = seen.dot(Vec3::from(frame.right)) / (away * frame.tan_x);
     let upward = seen.dot(Vec3::from(frame.up)) / (away * frame.tan_y);

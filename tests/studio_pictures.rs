@@ -71,12 +71,12 @@ fn the_start_screen_looks_as_it_did() {
     }
 }
 
-/// Compares all workspaces at `density` pixels a point, in both themes.
-fn compare_workspaces(density: f32, names: [&str; 3]) {
+/// Compares all workspaces at `density` pixels a point, in both themes; the window, unless there is no adapter.
+fn compared_workspaces(density: f32, names: [&str; 3]) -> Option<(Window, tempfile::TempDir)> {
     if !has_adapter() {
-        return;
+        return None;
     }
-    let (mut window, _folder) = drawn_window(SIZE, density);
+    let (mut window, folder) = drawn_window(SIZE, density);
     act(&mut window, Action::TourSeen);
     open_sample(&mut window);
     for (workspace, name) in Workspace::ALL.into_iter().zip(names) {
@@ -86,27 +86,16 @@ fn compare_workspaces(density: f32, names: [&str; 3]) {
         compare(&mut window, &format!("{name}-light"));
         act(&mut window, Action::Do(Command::ToggleTheme));
     }
+    Some((window, folder))
 }
 
+/// What lies over them comes in the same window: most of the time goes into working out its project.
 #[test]
-fn the_workspaces_look_as_they_did() {
-    compare_workspaces(1.0, ["crown", "variations", "library"]);
-}
-
-#[test]
-fn the_workspaces_look_as_they_did_on_dense_screens() {
-    compare_workspaces(2.0, ["crown-2x", "variations-2x", "library-2x"]);
-}
-
-#[test]
-fn what_lies_over_the_window_looks_as_it_did() {
-    if !has_adapter() {
+fn the_workspaces_and_what_lies_over_them_look_as_they_did() {
+    let names = ["crown", "variations", "library"];
+    let Some((mut window, _folder)) = compared_workspaces(1.0, names) else {
         return;
-    }
-    let (mut window, _folder) = drawn_window(SIZE, 1.0);
-    act(&mut window, Action::TourSeen);
-    open_sample(&mut window);
-    act(&mut window, Action::Do(Command::Show(Workspace::Library)));
+    };
     for (command, name) in [
         (Command::Palette, "palette"),
         (Command::ShortcutSheet, "shortcuts"),
@@ -118,4 +107,9 @@ fn what_lies_over_the_window_looks_as_it_did() {
     act(&mut window, Action::Do(Command::RemovePhoto));
     act(&mut window, Action::Do(Command::New));
     compare(&mut window, "unsaved");
+}
+
+#[test]
+fn the_workspaces_look_as_they_did_on_dense_screens() {
+    compared_workspaces(2.0, ["crown-2x", "variations-2x", "library-2x"]);
 }

@@ -262,13 +262,20 @@ fn two_hundred_open_jobs_leave_the_window_usable() {
     act(&mut window, Action::Do(Command::InvertMask));
     wait(&mut window, |shell| shell.studio().document().is_dirty());
     let edit = 1000.0 * start.elapsed().as_secs_f64();
-    wait(&mut window, |shell| !shell.studio().is_busy());
+    // Some seconds each.
+    let start = Instant::now();
+    while window.state().studio().is_busy() {
+        assert!(start.elapsed().as_secs() < 3600, "they do not end");
+        std::thread::sleep(std::time::Duration::from_millis(100));
+        window.step();
+    }
+    let done = start.elapsed().as_secs();
     for number in 0..200 {
         let tree = folder.path().join(format!("batch {number}/tree_0000.png"));
         assert!(tree.is_file(), "{}", tree.display());
     }
     println!(
-        "200 open jobs: {cancels} of them still shown when counted, frame {:.1} ms, an edit among them after {edit:.0} ms, all 200 done",
+        "200 open jobs: {cancels} of them still shown when counted, frame {:.1} ms, an edit among them after {edit:.0} ms, all 200 done in {done} s",
         median(&mut frames)
     );
 }

@@ -146,7 +146,9 @@ def main():
             into = lambda out: [program, *(word.replace("OUT", out) for word in arguments)]
             whole, new = f"{name}-whole", f"{name}-new"
             subprocess.run(into(whole), check=True, capture_output=True)
-            kills, tries = slurm(name, into(new), options, chance) if options.slurm else here(into(new), options, chance)
+            # An atlas shows all trees: the last run makes it.
+            part = [word for word in into(new) if word != "--atlas"]
+            kills, tries = slurm(name, part, options, chance) if options.slurm else here(part, options, chance)
             # What was left half-written counts as nobody's after some seconds.
             time.sleep(11)
             subprocess.run([*into(new), "--resume"], check=True, capture_output=True)

@@ -88,7 +88,9 @@ impl<'a> TreeCrown<'a> {
         };
         let mask = crown_mask(tree);
         let photo = without_sky(&tree.image);
-        let Some(mut settings) = settings_of(tree, &mask, self.size) else {
+        let leaf = leaf_of(self.record, tree, session)?;
+        let shown = leaf.unwrap_or_default();
+        let Some(mut settings) = settings_of(tree, &mask, self.size, shown) else {
             return Err(of_crown(&"no pixel of it is foliage"));
         };
         if self.record.has_fronds {
@@ -112,7 +114,7 @@ impl<'a> TreeCrown<'a> {
             ..self.record.clone()
         };
         let mut recipe = json!({"tree": record, "seed": seed.0, "settings": settings});
-        if let Some(leaf) = leaf_of(self.record, tree, session)? {
+        if let Some(leaf) = leaf {
             recipe["leaf"] = json!(leaf);
         }
         write_crown(
@@ -133,8 +135,8 @@ const GAP: f64 = 0.012;
 /// How light the inside of a crown is that one sees between its leaves.
 const INSIDE: f32 = 0.45;
 
-/// The leaves of a tree: fronds where it was made as a palm, or what the name of the picture tells that gave most of its outline, or needles where
-/// it looks like a conifer.
+/// The leaves of a tree: fronds where it was made as a palm, or what the name of the picture tells that gave
+/// most of its outline, or needles where it looks like a conifer.
 fn leaf_of(
     record: &TreeRecord,
     tree: &Tree,
@@ -161,8 +163,6 @@ fn tuft(settings: CrownSettings) -> CrownSettings {
     CrownSettings {
         copies: DIRECTIONS,
         k: Some(Tangent::Constant(THIN)),
-        // What shows between fronds are others.
-        cover: 1.0,
         ..settings
     }
 }
@@ -191,11 +191,10 @@ fn without_sky(image: &Image<Straight>) -> Image<Straight> {
 
 /// How the crown `mask` of `tree` is made: as high above the ground and as high as it is in the picture.
 /// `None` when it is empty.
-fn settings_of(tree: &Tree, mask: &Mask, size: u32) -> Option<CrownSettings> {
+fn settings_of(tree: &Tree, mask: &Mask, size: u32, leaf: LeafName) -> Option<CrownSettings> {
     let crown = opaque_bounds(mask)?;
     let whole = opaque_bounds(&tree.image.map(|pixel| pixel.alpha() >= 128))?;
     let metres = |pixels: u32| HEIGHT_M * f64::from(pixels) / f64::from(whole.height.max(1));
-    let trunk = tree.labels.map(|label| *label == Label::Trunk);
     let below = (whole.y + whole.height).saturating_sub(crown.y + crown.height);
     let settings = CrownSettings {
         size,
@@ -205,7 +204,7 @@ fn settings_of(tree: &Tree, mask: &Mask, size: u32) -> Option<CrownSettings> {
         round: stands_straight(tree),
         ..CrownSettings::default()
     };
-    let leaves = tree.labels.map(|label| *label == Label::Crown);
-    // What a palm's is, `tuft` says.
-    Some(settings.masked(&tree.image, [&leaves, &trunk], LeafName::default()))
+    let [leaves, trunk] =
+        [Label::Crown, Label::Trunk].map(|own| tree.labels.map(|label| *label == own));
+    Some(settings.masked(&tree.image, [&leaves, &trunk], leaf))
 }

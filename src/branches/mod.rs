@@ -32,6 +32,7 @@ pub mod species;
 pub mod spline;
 pub mod sprite;
 pub mod tree;
+pub mod twig_canvas;
 pub mod twigs;
 pub mod whorls;
 mod wood;

@@ -7,17 +7,9 @@
 //! shapes of [`super::sprite`].
 
 use super::sprite::{LeafShape, Sprite};
+use super::twig_canvas::{Canvas, TwigTexel};
 use crate::base::{Random, Seed};
 use crate::raster::Image;
-
-/// A texel of a twig.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct TwigTexel {
-    /// Brightness: 128 keeps the colour that the twig is given.
-    pub shade: u8,
-    /// How much of the texel is leaf, 0 … 255.
-    pub coverage: u8,
-}
 
 /// Leaves of a twig, and their length, by shape: large leaves are few.
 fn habit(shape: LeafShape) -> (u32, f64) {
@@ -34,19 +26,16 @@ fn habit(shape: LeafShape) -> (u32, f64) {
     }
 }
 
-/// Samples along a side of a texel.
-const FINENESS: u32 = 3;
-
 /// `count` different twigs with leaves of `shape`, `size` × `size` texels each.
 pub fn twigs(shape: LeafShape, size: u32, count: u32, seed: Seed) -> Vec<Image<TwigTexel>> {
     let sprite = Sprite::new(shape);
     let twig = |index: u32| {
         let mut random = seed.derive("twig", u64::from(index)).random();
-        let mut canvas = Canvas::new(size * FINENESS);
+        let mut canvas = Canvas::new(size);
         for leaf in leaves(shape, &mut random) {
             canvas.stamp(&sprite, shape, &leaf);
         }
-        canvas.reduced()
+        canvas.reduced(0)
     };
     (0..count).map(twig).collect()
 }
@@ -91,20 +80,7 @@ fn leaves(shape: LeafShape, random: &mut Random) -> Vec<Leaf> {
         .collect()
 }
 
-/// A picture of a twig in fine samples; 0: no leaf.
-struct Canvas {
-    size: u32,
-    shades: Vec<u8>,
-}
-
 impl Canvas {
-    fn new(size: u32) -> Self {
-        Self {
-            size,
-            shades: vec![0; (size * size) as usize],
-        }
-    }
-
     fn stamp(&mut self, sprite: &Sprite, shape: LeafShape, leaf: &Leaf) {
         let half = f64::from(self.size) / 2.0;
         let width = leaf.length * f64::from(shape.aspect());
@@ -131,26 +107,6 @@ impl Canvas {
                 }
             }
         }
-    }
-
-    /// The mean of the samples of each texel.
-    fn reduced(&self) -> Image<TwigTexel> {
-        let size = self.size / FINENESS;
-        let texels = (0..size * size).map(|i| {
-            let (left, top) = (i % size * FINENESS, i / size * FINENESS);
-            let (mut sum, mut covered) = (0u32, 0u32);
-            for sample in 0..FINENESS * FINENESS {
-                let (x, y) = (left + sample % FINENESS, top + sample / FINENESS);
-                let shade = self.shades[(y * self.size + x) as usize];
-                sum += u32::from(shade);
-                covered += u32::from(shade > 0);
-            }
-            TwigTexel {
-                shade: (sum / covered.max(1)) as u8,
-                coverage: (covered * 255 / (FINENESS * FINENESS)) as u8,
-            }
-        });
-        Image::from_pixels(size, size, texels.collect())
     }
 }
 

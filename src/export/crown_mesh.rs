@@ -68,7 +68,6 @@ pub(super) fn divided(sphere: &CubeSphere, layout: AtlasLayout) -> ModelMesh {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Mesh;
     use crate::raster::{Cubemap, Straight};
     use glam::DVec3;
 
@@ -76,16 +75,12 @@ mod tests {
     fn the_file_opens_and_its_texture_shows_the_colour_of_each_direction() {
         let shade = |d: DVec3| (d.normalize() * 100.0 + 128.0).to_array().map(|c| c as u8);
         let crown = Crown {
-            center_m: DVec3::new(0.0, 5.0, 0.0),
             radius_m: Cubemap::from_directions(32, |d| (2.0 + 0.2 * d.x) as f32),
             color: Cubemap::from_directions(32, |d| {
                 let [r, g, b] = shade(d);
                 Straight([r, g, b, 255])
             }),
-            height: Cubemap::filled(32, 0.5),
-            base_mesh: Mesh::default(),
-            cover: 1.0,
-            stem: None,
+            ..Crown::ball(32)
         };
         let bytes = crown_glb(&crown).unwrap();
         let (document, buffers, images) = gltf::import_slice(&bytes).unwrap();

@@ -165,20 +165,11 @@ impl Frond {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::raster::Cubemap;
     use glam::Vec3;
 
     #[test]
     fn fronds_go_from_the_heart_to_the_surface_with_normals_in_front_of_their_sides() {
-        let crown = Crown {
-            center_m: DVec3::new(0.0, 5.0, 0.0),
-            radius_m: Cubemap::filled(32, 2.0),
-            color: Cubemap::filled(32, Straight([60, 120, 40, 255])),
-            height: Cubemap::filled(32, 0.5),
-            base_mesh: crate::geometry::Mesh::default(),
-            cover: 1.0,
-            stem: None,
-        };
+        let crown = Crown::ball(32);
         let stand = Stand {
             height_m: 7.0,
             shift: DVec3::ZERO,

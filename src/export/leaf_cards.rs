@@ -26,7 +26,8 @@ use super::stem::Stand;
 use super::twig_outline::octagon;
 use crate::base::{Random, Seed};
 use crate::branches::sprite::LeafShape;
-use crate::branches::twigs::{TwigTexel, twigs};
+use crate::branches::twig_canvas::TwigTexel;
+use crate::branches::twigs::twigs;
 use crate::crown::leaf_points;
 use crate::raster::{CubeFace, Cubemap, Image, Straight, smoothed_cubemap};
 use crate::render::{leaf_area, linear, srgb_byte};
@@ -349,15 +350,7 @@ mod tests {
 
     #[test]
     fn a_leaf_has_three_sides_whose_normals_are_in_front() {
-        let crown = Crown {
-            center_m: DVec3::new(0.0, 5.0, 0.0),
-            radius_m: Cubemap::filled(32, 2.0),
-            color: Cubemap::filled(32, Straight([60, 120, 40, 255])),
-            height: Cubemap::filled(32, 0.5),
-            base_mesh: crate::geometry::Mesh::default(),
-            cover: 1.0,
-            stem: None,
-        };
+        let crown = Crown::ball(32);
         let stand = Stand {
             height_m: 7.0,
             shift: DVec3::ZERO,

@@ -68,17 +68,14 @@ impl CrownRequest {
     #[must_use]
     pub fn pictured(mut self, photo: &Image<Straight>, labels: &TiledMask, leaf: LeafName) -> Self {
         let is_trunk = |label: u8| label == TRUNK;
-        let (of_crown, of_trunk) = (
-            |x, y| is_crown(labels.at(x, y)),
-            |x, y| is_trunk(labels.at(x, y)),
-        );
         let Some(bounds) = labels.bounds(is_crown) else {
             return self;
         };
-        let has = &of_crown;
+        let has = &|x, y| is_crown(labels.at(x, y));
         let crown = Pixels { bounds, has };
-        let has = &of_trunk;
-        let trunk = labels.bounds(is_trunk).map(|bounds| Pixels { bounds, has });
+        let has = &|x, y| is_trunk(labels.at(x, y));
+        let trunk = labels.bounds(is_trunk);
+        let trunk = trunk.map(|bounds| Pixels { bounds, has });
         self.settings = self.settings.pictured(photo, &crown, trunk.as_ref(), leaf);
         self
     }

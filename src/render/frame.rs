@@ -267,25 +267,8 @@ pub(crate) fn leaf_area(cover: f32) -> f32 {
     open + closed * (1.0 - open)
 }
 
-/// Least area of leaves that hides what is within: below it a crown has no core near the eye.
+/// Least area of leaves that hides what is within: below it a crown has no core.
 const HIDING: f32 = 0.75;
-
-/// Freedom of the leaves from which on a crown is drawn as one that is near.
-const NEAR: f32 = 0.25;
-
-/// How near a crown is, 0 … 1, by how free its leaves are.
-fn nearness(freedom: f32) -> f32 {
-    (freedom / NEAR).min(1.0)
-}
-
-/// Share of the samples that a surface keeps of a crown of so much `cover`. Far away single leaves and gaps are
-/// smaller than pixels, so a sparse crown is a veil, in relief and as the core between its leaves alike; near the
-/// eye its relief is solid.
-fn far_share(cover: f32, freedom: f32) -> f32 {
-    let met = |area: f32| 1.0 - libm::expf(-LAYERS * area);
-    let share = met(leaf_area(cover)) / met(1.0);
-    share + (1.0 - share) * nearness(freedom)
-}
 
 /// Radii of a crown, in pixels, at which its leaves keep to the surface as relief does, and at
 /// which they are free of it.
@@ -350,24 +333,16 @@ impl Resolved {
                 }
                 Mode::Mesh => continue,
             };
-            let prepared = &view.crowns[crown];
-            let freedom = leaf_freedom(radius_pixels(view, settings, prepared, &numbers));
             if numbers.fade < 1.0 {
-                let shown = (1.0 - numbers.fade) * far_share(prepared.cover, freedom);
-                let fade = 1.0 - shown;
-                resolved
-                    .relief
-                    .push((crown, InstanceNumbers { fade, ..numbers }));
+                resolved.relief.push((crown, numbers));
             }
             if numbers.fade > 0.0 {
                 resolved.leaves.push((crown, numbers));
-                let mut core = numbers.core(freedom);
-                if view.leaves.is_of_fronds || leaf_area(prepared.cover) < HIDING {
-                    core.fade =
-                        1.0 - far_share(prepared.cover, freedom) * (1.0 - nearness(freedom));
-                }
-                if core.fade < 1.0 {
-                    resolved.relief.push((crown, core));
+                let prepared = &view.crowns[crown];
+                let freedom = leaf_freedom(radius_pixels(view, settings, prepared, &numbers));
+                // Between fronds one sees others, or the sky.
+                if !view.leaves.is_of_fronds && leaf_area(prepared.cover) >= HIDING {
+                    resolved.relief.push((crown, numbers.core(freedom)));
                 }
             }
         }
@@ -517,14 +492,6 @@ mod tests {
             let deep = (point - Vec3::from(frame.eye)).dot(Vec3::from(frame.forward));
             assert!((clip.z / clip.w - frame.near / deep).abs() < 1e-5);
         }
-    }
-
-    #[test]
-    fn only_a_sparse_crown_that_is_far_away_is_a_veil() {
-        assert_eq!(far_share(1.0, 0.0), 1.0);
-        assert_eq!(far_share(0.5, 1.0), 1.0);
-        assert!((0.45..0.6).contains(&far_share(0.5, 0.0)));
-        assert!(far_share(0.5, 0.1) > far_share(0.5, 0.0));
     }
 
     #[test]

@@ -5,9 +5,8 @@
 //! stand on both sides of the rib, longest before the middle, ever more forward towards the tip, some torn off
 //! as the wind does.
 
-use super::strokes::Canvas;
 use crate::base::{Random, Seed};
-use crate::branches::twigs::TwigTexel;
+use crate::branches::twig_canvas::{Canvas, TwigTexel};
 use crate::raster::Image;
 use glam::DVec2;
 
@@ -58,7 +57,7 @@ pub(crate) fn fronds(size: u32, count: u32, seed: Seed) -> Vec<Image<TwigTexel>>
             let ends = [from, to].map(|share| DVec2::new(0.0, ROOT - (ROOT - TIP) * share));
             canvas.stroke(ends, half, 150.0 * light(from));
         }
-        canvas.reduced()
+        canvas.reduced(128)
     };
     (0..count).map(frond).collect()
 }

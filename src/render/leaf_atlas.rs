@@ -8,7 +8,8 @@ use super::fronds::fronds;
 use super::needles::{Needles, needle_twigs};
 use crate::base::Seed;
 use crate::branches::sprite::LeafShape;
-use crate::branches::twigs::{TwigTexel, twigs};
+use crate::branches::twig_canvas::TwigTexel;
+use crate::branches::twigs::twigs;
 use crate::raster::Image;
 
 /// Texels along a side of a twig of leaves, and of needles and fronds, which are thinner.

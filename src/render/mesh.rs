@@ -184,17 +184,16 @@ fn bark_of(trunk: &Trunk) -> Bark {
             high: [120, 108, 92],
         };
     };
-    let luma = Straight([seen[0], seen[1], seen[2], 255]).luma();
-    let is_grey = seen.iter().max().zip(seen.iter().min());
-    let is_grey = is_grey.is_some_and(|(most, least)| most - least < GREY);
+    let [r, g, b] = seen;
+    let is_grey = r.max(g).max(b) - r.min(g).min(b) < GREY;
+    let is_white = Straight([r, g, b, 255]).luma() > WHITE;
+    let kind = match is_grey && is_white {
+        true => BarkKind::Birch,
+        false => BarkKind::Furrowed,
+    };
     let lit = seen.map(|channel| (LIFT * f32::from(channel)).min(245.0) as u8);
-    let is_birch = is_grey && luma > WHITE;
     Bark {
-        kind: if is_birch {
-            BarkKind::Birch
-        } else {
-            BarkKind::Furrowed
-        },
+        kind,
         low: lit,
         high: lit,
     }
@@ -232,18 +231,9 @@ fn heat(value: f32) -> [f32; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::raster::{Cubemap, Straight};
 
     fn ball() -> Crown {
-        Crown {
-            center_m: DVec3::new(0.0, 5.0, 0.0),
-            radius_m: Cubemap::filled(16, 2.0),
-            color: Cubemap::filled(16, Straight([90, 120, 60, 255])),
-            height: Cubemap::filled(16, 0.5),
-            base_mesh: Mesh::default(),
-            cover: 1.0,
-            stem: None,
-        }
+        Crown::ball(16)
     }
 
     #[test]

@@ -23,7 +23,6 @@ mod proxy;
 mod renderer;
 mod settings;
 mod shaders;
-mod strokes;
 mod surface;
 
 pub(crate) use color::{linear, srgb_byte};

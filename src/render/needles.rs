@@ -9,9 +9,8 @@
 //!
 //! Limit: needles are thrice as thick as real ones, or a crown would need ten times the twigs.
 
-use super::strokes::Canvas;
 use crate::base::{Random, Seed};
-use crate::branches::twigs::TwigTexel;
+use crate::branches::twig_canvas::{Canvas, TwigTexel};
 use crate::raster::Image;
 use glam::DVec2;
 
@@ -66,7 +65,7 @@ pub(super) fn needle_twigs(
                 Needles::Fan => shoot.draw_fans(&mut canvas, &mut random),
             }
         }
-        canvas.reduced()
+        canvas.reduced(128)
     };
     (0..count).map(twig).collect()
 }

@@ -168,7 +168,6 @@ fn packed([r, g, b, open]: Texel) -> [u8; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Mesh;
 
     #[test]
     fn levels_average_light_and_not_srgb_values() {
@@ -180,13 +179,8 @@ mod tests {
             }
         }
         let crown = Crown {
-            center_m: glam::DVec3::new(0.0, 5.0, 0.0),
-            radius_m: Cubemap::filled(16, 2.0),
             color,
-            height: Cubemap::filled(16, 0.5),
-            base_mesh: Mesh::default(),
-            cover: 1.0,
-            stem: None,
+            ..Crown::ball(16)
         };
         let prepared = PreparedCrown::new(&crown, &Cancel::new()).unwrap();
         let ([texel, ..], _, _) = prepared.surface.around(Vec3::Z, 1);
@@ -197,13 +191,9 @@ mod tests {
     #[test]
     fn a_change_of_one_part_keeps_the_other() {
         let crown = |radius: f32, red: u8| Crown {
-            center_m: glam::DVec3::new(0.0, 5.0, 0.0),
             radius_m: Cubemap::from_directions(16, |d| radius + 0.2 * d.normalize().x as f32),
             color: Cubemap::filled(16, Straight([red, 90, 40, 255])),
-            height: Cubemap::filled(16, 0.5),
-            base_mesh: Mesh::default(),
-            cover: 1.0,
-            stem: None,
+            ..Crown::ball(16)
         };
         let prepared = |crown: &Crown| PreparedCrown::new(crown, &Cancel::new()).unwrap();
         let one = prepared(&crown(2.0, 50));

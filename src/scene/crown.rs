@@ -27,6 +27,20 @@ pub struct Crown {
 }
 
 impl Crown {
+    /// A ball of 2 m, 5 m above the ground, with cubemaps of `size`, for tests.
+    #[cfg(test)]
+    pub(crate) fn ball(size: u32) -> Self {
+        Self {
+            center_m: DVec3::new(0.0, 5.0, 0.0),
+            radius_m: Cubemap::filled(size, 2.0),
+            color: Cubemap::filled(size, Straight([90, 120, 60, 255])),
+            height: Cubemap::filled(size, 0.5),
+            base_mesh: Mesh::default(),
+            cover: 1.0,
+            stem: None,
+        }
+    }
+
     /// The smallest and largest radius, R_min and R_max of thesis §5.1, metres.
     pub fn radius_range_m(&self) -> (f32, f32) {
         let texels = self.radius_m.faces().iter().flat_map(|face| face.pixels());

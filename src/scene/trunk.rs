@@ -37,23 +37,22 @@ impl Trunk {
         let usual = SLENDERNESS * height;
         let base_radius_m = crown.stem.map_or(usual, |stem| stem.base_radius_m);
         let foot = DVec3::new(0.0, 0.0, crown.center_m.z);
-        // Where it ends in sight it is thin, whatever it is below the crown.
-        let (above, thin, thinnest) = match crown.cover < OPEN {
-            true => (
-                f64::from(crown.radius_m.sampled(DVec3::Y)) * UPWARDS,
-                0.12,
-                0.12,
-            ),
-            false => (0.0, 0.45, 1.0),
+        let is_open = crown.cover < OPEN;
+        let above = match is_open {
+            true => UPWARDS * f64::from(crown.radius_m.sampled(DVec3::Y)),
+            false => 0.0,
         };
-        let seen = crown
-            .stem
-            .map(|stem| stem.top_radius_m.min(thinnest * stem.base_radius_m));
+        let thin = if is_open { 0.12 } else { 0.45 } * base_radius_m;
+        let top_radius_m = crown.stem.map_or(thin, |stem| match is_open {
+            // Where it ends in sight it is thin, whatever it is below the crown.
+            true => stem.top_radius_m.min(thin),
+            false => stem.top_radius_m,
+        });
         Self {
             base_m: foot,
             top_m: crown.center_m + DVec3::Y * above,
             base_radius_m,
-            top_radius_m: seen.unwrap_or(thin * base_radius_m),
+            top_radius_m,
             bow_m: DVec3::new(0.5, 0.0, 0.3) * usual,
             bark: crown.stem.map(|stem| stem.bark),
         }

@@ -1,21 +1,31 @@
-//! Pictures of twigs drawn stroke by stroke, from −1 to 1 in both directions, in fine samples.
+//! A picture of a twig while it is drawn, in fine samples: [`super::twigs`] stamps leaves on it, and who draws
+//! needles and fronds lines.
 
-use crate::branches::twigs::TwigTexel;
 use crate::raster::Image;
 use glam::DVec2;
+
+/// A texel of a twig.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct TwigTexel {
+    /// Brightness: 128 keeps the colour that the twig is given.
+    pub shade: u8,
+    /// How much of the texel is leaf, 0 … 255.
+    pub coverage: u8,
+}
 
 /// Samples along a side of a texel.
 const FINENESS: u32 = 3;
 
-/// A picture of a twig in fine samples; 0: nothing.
-pub(super) struct Canvas {
-    size: u32,
-    shades: Vec<u8>,
+/// A picture from −1 to 1 in both directions, in fine samples; 0: nothing.
+pub(crate) struct Canvas {
+    /// Samples along a side.
+    pub(super) size: u32,
+    pub(super) shades: Vec<u8>,
 }
 
 impl Canvas {
     /// A clear canvas for a picture of `texels` × `texels`.
-    pub(super) fn new(texels: u32) -> Self {
+    pub(crate) fn new(texels: u32) -> Self {
         let size = texels * FINENESS;
         Self {
             size,
@@ -24,7 +34,7 @@ impl Canvas {
     }
 
     /// Draws a straight line of an even shade with round ends; later lines lie above.
-    pub(super) fn stroke(&mut self, [from, to]: [DVec2; 2], half: f64, shade: f64) {
+    pub(crate) fn stroke(&mut self, [from, to]: [DVec2; 2], half: f64, shade: f64) {
         let middle = f64::from(self.size) / 2.0;
         let range = |a: f64, b: f64| {
             let low = ((a.min(b) - half + 1.0) * middle).max(0.0) as u32;
@@ -44,8 +54,8 @@ impl Canvas {
         }
     }
 
-    /// The mean of the samples of each texel.
-    pub(super) fn reduced(&self) -> Image<TwigTexel> {
+    /// The mean of the samples of each texel; those without any have the shade `clear`.
+    pub(crate) fn reduced(&self, clear: u8) -> Image<TwigTexel> {
         let size = self.size / FINENESS;
         let texels = (0..size * size).map(|i| {
             let (left, top) = (i % size * FINENESS, i / size * FINENESS);
@@ -57,7 +67,7 @@ impl Canvas {
                 covered += u32::from(shade > 0);
             }
             TwigTexel {
-                shade: sum.checked_div(covered).unwrap_or(128) as u8,
+                shade: sum.checked_div(covered).map_or(clear, |shade| shade as u8),
                 coverage: (covered * 255 / (FINENESS * FINENESS)) as u8,
             }
         });

@@ -6,7 +6,7 @@ use crate::variation::{has_fronds, named};
 /// Words in names of pictures, and the leaves of such trees: of those that there are the likest. The first
 /// that occurs counts. From where a whole crown is seen, combs of short needles look like lobed leaves:
 /// conifers have tufts.
-const LEAVES_BY_NAME: [(&str, LeafName); 23] = [
+const LEAVES_BY_NAME: [(&str, LeafName); 28] = [
     ("broadleaf", LeafName::Ovate),
     ("pine", LeafName::Tuft),
     ("pinus", LeafName::Tuft),
@@ -22,6 +22,11 @@ const LEAVES_BY_NAME: [(&str, LeafName); 23] = [
     ("juniper", LeafName::Tuft),
     ("thuja", LeafName::Tuft),
     ("yew", LeafName::Tuft),
+    ("sequoia", LeafName::Tuft),
+    ("metasequoia", LeafName::Tuft),
+    ("redwood", LeafName::Tuft),
+    ("hemlock", LeafName::Tuft),
+    ("taxodium", LeafName::Tuft),
     ("oak", LeafName::Lobed),
     ("quercus", LeafName::Lobed),
     ("maple", LeafName::Palmate),
@@ -38,6 +43,7 @@ const LEAVES_BY_NAME: [(&str, LeafName); 23] = [
 /// use boscage::{branches::leaf_name::LeafName, pipeline::leaf_of_picture};
 /// assert_eq!(leaf_of_picture("Quercus robur 3.jpg"), Some(LeafName::Lobed));
 /// assert_eq!(leaf_of_picture("twin_palm_04.png"), Some(LeafName::Frond));
+/// assert_eq!(leaf_of_picture("redwood_young_01.jpg"), Some(LeafName::Tuft));
 /// assert_eq!(leaf_of_picture("IMG_1234.jpg"), None);
 /// ```
 pub fn leaf_of_picture(name: &str) -> Option<LeafName> {

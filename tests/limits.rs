@@ -43,9 +43,16 @@ fn check_failed(folder: &Path, output: &Output, out: &str) {
 fn too_little_memory_is_an_error_not_an_abort() {
     let folder = folder();
     let mut failed = 0;
+    let memory = |kilobytes: u32| format!("ulimit -c 0 && ulimit -v {kilobytes}");
+    // The system itself ends programs that it has no place for, and how large this one is tells its build.
+    let starts = |kilobytes: &u32| {
+        let told = limited(folder.path(), &memory(*kilobytes), "--version");
+        told.status.success()
+    };
+    let least = (60_000..600_000).step_by(10_000).find(starts).unwrap();
     // From hardly enough to start to nearly enough to finish.
-    for kilobytes in [130_000, 140_000, 150_000, 160_000, 170_000, 180_000] {
-        let limit = format!("ulimit -c 0 && ulimit -v {kilobytes}");
+    for more in [0, 10_000, 20_000, 30_000, 40_000, 50_000] {
+        let limit = memory(least + more);
         let vary = "vary --library trees --count 2 --no-cache --threads 2 --out new";
         let output = limited(folder.path(), &limit, vary);
         match output.status.code() {

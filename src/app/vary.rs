@@ -25,6 +25,21 @@ pub(super) const TILE_PX: u32 = 256;
 /// Trees that are kept though nothing shows them: undo and a slider on its way back find them again.
 const MOST_TILES: usize = 800;
 
+/// The mix that the hand holds.
+pub(super) struct Mixed {
+    /// As its exemplars are.
+    pub(super) plain: Draft,
+    /// In the season that trees are put into, if they are.
+    pub(super) in_season: Option<Image<Straight>>,
+}
+
+impl Mixed {
+    /// What a tree of the gallery would look like.
+    pub(super) fn image(&self) -> &Image<Straight> {
+        self.in_season.as_ref().unwrap_or(&self.plain.image)
+    }
+}
+
 /// The pictures of the project that can be exemplars, prepared.
 pub(super) struct Prepared {
     /// What was prepared: all pictures of the project.
@@ -124,7 +139,7 @@ pub(super) struct Vary {
     pub(super) latest: BTreeMap<u64, Digest>,
     /// The trees that were asked for last.
     pub(super) asked_trees: Option<Digest>,
-    pub(super) draft: Option<(Digest, Arc<Draft>)>,
+    pub(super) draft: Option<(Digest, Arc<Mixed>)>,
     pub(super) asked_draft: Option<Digest>,
     pub(super) large: Option<Large>,
     /// The tree that a batch made last.

@@ -3,7 +3,7 @@
 use super::outcome::Outcome;
 use super::photos::THUMBNAIL_PX;
 use super::studio::{Severity, Studio, Workspace};
-use super::vary::{Cell, Large, Prepared, Scored, Seasons, TILE_PX, Tile};
+use super::vary::{Cell, Large, Mixed, Prepared, Scored, Seasons, TILE_PX, Tile};
 use crate::base::{Cancel, Digest, Hasher, Seed};
 use crate::document::PhotoId;
 use crate::jobs::{Context, JobError, Priority, Request, Topic};
@@ -38,7 +38,7 @@ pub(super) enum VaryOutcome {
     /// All trees were made.
     GalleryIsFull,
     /// The mix that the hand holds; `None` when it cannot be mixed.
-    Draft(Digest, Option<Box<Draft>>),
+    Draft(Digest, Option<Box<Mixed>>),
     /// The mix of this draft in all seasons.
     Seasons(Digest, Box<Seasons>),
     /// How much trees repeat each other.
@@ -219,9 +219,10 @@ impl Studio {
             return;
         };
         let like = settings.like.and_then(|like| prepared.index(like));
+        let season = settings.season;
         let key = Hasher::new("draft")
             .with(prepared.stamp.bytes())
-            .with(format!("{parts:?} {like:?}").as_bytes())
+            .with(format!("{parts:?} {like:?} {season:?}").as_bytes())
             .finish();
         if self.vary.asked_draft == Some(key) {
             return;
@@ -234,9 +235,28 @@ impl Studio {
             let cancel = context.cancel();
             let like = like.map(|like| palette(&library, &palettes, like, cancel));
             let like = like.transpose().map_err(failed)?;
-            let draft = drafts.make(&library, &parts, like.as_deref(), cancel);
-            let draft = draft.map_err(failed)?.map(Box::new);
-            Ok(Outcome::Vary(VaryOutcome::Draft(key, draft)))
+            // In a season the picture gives the colours of its leaves.
+            let of_maker = like.as_deref().filter(|_| season.is_none());
+            let plain = drafts.make(&library, &parts, of_maker, cancel);
+            let Some(plain) = plain.map_err(failed)? else {
+                return Ok(Outcome::Vary(VaryOutcome::Draft(key, None)));
+            };
+            let put = |season: SeasonChoice| -> Result<Image<Straight>, JobError> {
+                let mut tree = Tree {
+                    image: plain.image.clone(),
+                    labels: plain.labels.clone(),
+                };
+                let finish = Finish {
+                    season: Some(season),
+                    ..Finish::default()
+                };
+                let leaves = like.as_ref().map(|palette| palette.crown());
+                finish.put(&mut tree, leaves, Seed(0), cancel)?;
+                Ok(tree.image)
+            };
+            let in_season = season.map(put).transpose()?;
+            let mixed = Box::new(Mixed { plain, in_season });
+            Ok(Outcome::Vary(VaryOutcome::Draft(key, Some(mixed))))
         };
         let request = Request::new("Mixing", topic("draft"), Priority::Interactive, work);
         self.jobs.submit(request);
@@ -254,7 +274,7 @@ impl Studio {
         self.vary.asked_seasons = Some(key);
         let draft = Arc::clone(draft);
         let work = move |context: &Context<Outcome>| {
-            let tree = small_tree(&draft);
+            let tree = small_tree(&draft.plain);
             let cancel = context.cancel();
             let put = |season: Option<Season>| -> Result<Arc<Image<Straight>>, JobError> {
                 let mut tree = tree.clone();

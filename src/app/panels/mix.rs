@@ -218,10 +218,10 @@ impl Mix {
         ui.painter().rect_filled(rect, 5.0, tokens.sunken);
         let place = rect.shrink(TIGHT);
         if let Some((key, draft)) = &studio.vary.draft {
-            let texture = self.textures.of(ui.ctx(), *key, &draft.image);
+            let texture = self.textures.of(ui.ctx(), *key, draft.image());
             let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
             ui.painter().image(texture.id(), place, uv, Color32::WHITE);
-            if !draft.distortion.is_small() {
+            if !draft.plain.distortion.is_small() {
                 let font = egui::FontId::proportional(11.0);
                 let at = rect.left_bottom() + vec2(TIGHT, -TIGHT);
                 let words = "stretched: these do not match well";
@@ -230,11 +230,17 @@ impl Mix {
             }
         }
         if let Some((_, draft)) = studio.vary.draft.as_ref().filter(|_| self.shows_outline) {
-            let scale = place.width() / draft.image.width().max(1) as f32;
+            let scale = place.width() / draft.plain.image.width().max(1) as f32;
             // The points are the middles of pixels.
             let on_screen =
                 |p: &Point| place.min + vec2(p.x as f32 + 0.5, p.y as f32 + 0.5) * scale;
-            let points: Vec<Pos2> = draft.outline.iter().step_by(2).map(on_screen).collect();
+            let points: Vec<Pos2> = draft
+                .plain
+                .outline
+                .iter()
+                .step_by(2)
+                .map(on_screen)
+                .collect();
             // One by one: where an outline turns back on itself a joint would be a spike.
             let stroke = Stroke::new(1.3, tokens.accent);
             let next = points.iter().cycle().skip(1);

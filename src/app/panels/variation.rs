@@ -186,7 +186,7 @@ impl Variation {
             changed_settings(actions, studio, "Colours Like", whole, |s| s.like = like);
         }
         let draft = studio.vary.draft.as_ref();
-        match draft.and_then(|(_, draft)| draft.histograms.as_ref()) {
+        match draft.and_then(|(_, draft)| draft.plain.histograms.as_ref()) {
             Some((before, after)) => histograms(ui, before, after),
             None if settings.like.is_some() => {}
             None => {

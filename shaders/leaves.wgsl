@@ -1,8 +1,8 @@
 // The leaf crown (thesis 5.2); src/render/cpu/leaves.rs is its twin.
 //
 // Six corners a leaf, all leaves of a crown in one instance. Leaves are parallel to the picture's
-// plane: each is a square on the screen with one depth. Fronds are long instead, from the crown's heart to
-// its surface, bent upwards.
+// plane: each is a square on the screen with one depth. Fronds and boughs are long instead, from the crown's
+// heart or its axis to its surface, bent upwards.
 
 // Points of the unit ball, best prefix first, in rows of 64.
 @group(2) @binding(0) var points: texture_2d<f32>;
@@ -45,11 +45,20 @@ const FREEST: f32 = 0.6;
 const KEPT_RADIUS: f32 = 100.0;
 const FREE_RADIUS: f32 = 320.0;
 const SPREAD: f32 = 0.55;
-// Height of a frond's arch by how far it reaches aside; its width by its length, and its shortest length by
-// its width.
-const ARCH: f32 = 0.21;
-const SLENDER: f32 = 0.36;
+// Long leaves: the shortest that one looks that points at the eye, by its width; how much wider they are at
+// most where there are fewer; share of a bough's width that all have; how much less far
+// the innermost boughs reach; how far normals of boughs turn upwards.
 const SHORTEST: f32 = 0.5;
+const WIDEST: f32 = 1.6;
+const EVEN: f32 = 0.18;
+const INNER: f32 = 0.4;
+const FLAT: f32 = 0.7;
+const FROM_AXIS: u32 = 2u;
+// How boughs rise at the foot and at the top of a crown, and how far below the surface the uppermost leave the
+// axis, and the share of them next to it that is not drawn (src/render/ribs.rs).
+const RISES: vec2<f32> = vec2(-0.3, 0.95);
+const LEADER: f32 = 0.45;
+const HIDDEN: f32 = 0.4;
 
 fn nothing() -> Leaf {
     var leaf: Leaf;
@@ -72,6 +81,17 @@ fn order_toward(eye: vec3<f32>) -> u32 {
         return select(3u, 2u, eye.y > 0.0);
     }
     return select(5u, 4u, eye.z > 0.0);
+}
+
+// Where the bough whose tip is there begins, from the centre of the crown.
+fn bough_root(tip: vec3<f32>) -> vec3<f32> {
+    let height = clamp(tip.y / crown.radius_range.y, -1.0, 1.0);
+    let rise = RISES.x + (RISES.y - RISES.x) * (0.5 + 0.5 * height);
+    let aside = sqrt(tip.x * tip.x + tip.z * tip.z);
+    let upper = max(height, 0.0);
+    let below = aside * rise + LEADER * crown.mean_radius * (upper * upper);
+    let axis = vec3(0.0, tip.y - below, 0.0);
+    return axis + (tip - axis) * HIDDEN;
 }
 
 @vertex
@@ -101,16 +121,26 @@ fn corner(@builtin(vertex_index) vertex: u32, in: Crown) -> Leaf {
     let direction = drawn_out * (1.0 / max(sqrt(dot(drawn_out, drawn_out)), 1e-6));
     let shape_level = max(crown.radius_levels, 4u) - 4u;
     let reach = radius_at(direction, max(crown.radius_levels, 6u) - 6u);
-    let rib = direction * (STANDS_OUT * reach * grown * min(0.6 + 0.4 * vary, 1.0));
+    var share_out = min(0.6 + 0.4 * vary, 1.0);
+    if frame.ribs == FROM_AXIS {
+        let inner = hashed(salt ^ 4u);
+        share_out -= INNER * inner * inner;
+    }
+    let tip = direction * (STANDS_OUT * reach * share_out);
+    var root = vec3(0.0);
+    if frame.ribs == FROM_AXIS {
+        root = bough_root(tip);
+    }
+    let rib = (tip - root) * grown;
     var point = ball * crown.radius_range.y;
-    if frame.fronds != 0u {
-        point = rib * 0.5;
+    if frame.ribs != 0u {
+        point = root + rib * 0.5;
     } else if frame.leaf_clip == 0u {
         let out = STANDS_OUT * reach * (DEEPEST + (1.0 - DEEPEST) * share) - DRAWN_BACK * half_m;
         point = direction * max(out, 0.0);
     }
-    // A frond is dark at its heart by its picture.
-    let depth_share = select(1.0, sqrt(dot(point, point)) / reach, frame.fronds == 0u);
+    // A long leaf is dark at its stalk by its picture.
+    let depth_share = select(share_out, sqrt(dot(point, point)) / reach, frame.ribs == 0u);
     if depth_share > 1.0 && frame.leaf_clip == 1u && depth_share * reach - half_m * 1.5 > reach {
         return nothing();
     }
@@ -131,19 +161,29 @@ fn corner(@builtin(vertex_index) vertex: u32, in: Crown) -> Leaf {
     let above = direction * reach + normal_local * (0.05 * crown.mean_radius);
     let inside = clamp(depth_share - 0.45, 0.0, 0.45) / 0.45;
     let bright = 1.1 + 0.2 * hashed(salt ^ 3u);
+    var facing = normal_local;
+    if frame.ribs == FROM_AXIS {
+        facing += vec3(0.0, FLAT, 0.0);
+    }
     var out: Leaf;
     out.spin = vec2(cos(angle), sin(angle));
     out.shape = vec2(1.0, 0.0);
-    if frame.fronds != 0u {
+    if frame.ribs != 0u {
         let world_rib = world_from_local(in.turn, rib) * samples;
         let screen = vec2(dot(world_rib, frame.right), -dot(world_rib, frame.up));
         let length = sqrt(dot(screen, screen));
-        let half_width = 0.5 * SLENDER * (samples * reach);
+        var full = reach;
+        if frame.ribs == FROM_AXIS {
+            let own = sqrt(dot(rib, rib));
+            full = own + (crown.mean_radius * grown - own) * EVEN;
+        }
+        let wider = min(sqrt(f32(frame.point_count) / count), WIDEST) * crown.leaf_side;
+        let half_width = 0.5 * frame.rib_slender * (samples * full * wider);
         half_side = max(0.5 * length, SHORTEST * half_width);
         let axis = screen / max(length, 1e-6);
         let aside = sqrt(world_rib.x * world_rib.x + world_rib.z * world_rib.z);
-        // The arch goes up on the screen; what of it is across the rib bends the frond.
-        let bend = -ARCH * aside * frame.up.y * axis.x / max(half_width, 1e-6);
+        // The arch goes up on the screen; what of it is across the rib bends the leaf.
+        let bend = -frame.rib_arch * aside * frame.up.y * axis.x / max(half_width, 1e-6);
         out.shape = vec2(half_side / max(half_width, 1e-6), bend);
         out.spin = vec2(-axis.y, -axis.x);
     }
@@ -156,7 +196,7 @@ fn corner(@builtin(vertex_index) vertex: u32, in: Crown) -> Leaf {
     out.ids = vec3(salt % textureNumLayers(atlas), salt, in.dither);
     out.albedo = vec4(surface.rgb * in.tint * bright, surface.a * (0.35 + 0.65 * inside));
     out.normal = vec4(
-        world_from_local(in.turn, normal_local),
+        world_from_local(in.turn, facing),
         sunlit_at(above, toward_sun, shape_level) * (0.25 + 0.75 * inside),
     );
     out.point = vec4(point, metres / in.scale);
@@ -170,7 +210,7 @@ fn corner(@builtin(vertex_index) vertex: u32, in: Crown) -> Leaf {
     out.fade = vec2(in.fade, bound);
     var across_side = vec2(half_side, 0.0);
     var down_side = vec2(0.0, half_side);
-    if frame.fronds != 0u {
+    if frame.ribs != 0u {
         let wide_side = half_side * (1.0 + abs(out.shape.y)) / out.shape.x;
         across_side = vec2(out.spin.x, -out.spin.y) * wide_side;
         down_side = vec2(out.spin.y, out.spin.x) * half_side;
@@ -224,8 +264,8 @@ fn sample(leaf: Leaf) -> @location(0) vec4<f32> {
     let level = leaf.place.w;
     let across = (place.x - leaf.place.x) / half_side;
     let down = (place.y - leaf.place.y) / half_side;
-    // A frond's picture is clear at its edges.
-    if frame.fronds == 0u && (abs(across) > 1.0 || abs(down) > 1.0) {
+    // A long leaf's picture is clear at its edges.
+    if frame.ribs == 0u && (abs(across) > 1.0 || abs(down) > 1.0) {
         discard;
     }
     if leaf.fade.x < 1.0 && pattern(place, leaf.ids.z) >= leaf.fade.x {

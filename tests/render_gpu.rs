@@ -8,7 +8,7 @@
 #![allow(clippy::print_stdout, reason = "a harness tells of its tests")]
 
 use boscage::base::{Cancel, Progress, Seed};
-use boscage::branches::sprite::LeafShape;
+use boscage::branches::leaf_name::LeafName;
 use boscage::geometry::Mesh;
 use boscage::raster::{Cubemap, Image, Straight, encode_png};
 use boscage::render::{
@@ -247,13 +247,16 @@ fn twins_agree_on_leaves(gpu: &Gpu) {
     }
     let mut settings = settings();
     settings.mode = Mode::Leaves;
-    for (name, shape, distance) in [
-        ("needles", LeafShape::Brush, 1.0),
-        ("fronds", LeafShape::Blade, 1.0),
-        ("fronds_near", LeafShape::Blade, 0.5),
-        ("fronds_far", LeafShape::Blade, 5.0),
+    for (name, leaf, distance) in [
+        ("needles", LeafName::Brush, 1.0),
+        ("fronds", LeafName::Frond, 1.0),
+        ("fronds_near", LeafName::Frond, 0.5),
+        ("fronds_far", LeafName::Frond, 5.0),
+        ("boughs", LeafName::Bough, 1.0),
+        ("boughs_near", LeafName::Bough, 0.5),
+        ("boughs_far", LeafName::Bough, 5.0),
     ] {
-        let leaves = LeafSet::new(shape, Seed(1));
+        let leaves = LeafSet::new(leaf, Seed(1));
         let camera = front().orbited(30.0, 12.0).zoomed(distance);
         with_view(&camera, Backdrop::Studio, |view| {
             let view = SceneView {

@@ -73,7 +73,7 @@ fn structs_are_laid_out_alike() {
         exposure, sun, steps_a_sample, sky, least_steps, ground, most_steps, size, halvings,
         shadow_steps, view, occlusion, shortcut, backdrop, leaves_a_sample, least_leaves,
         most_leaves, leaf_size, leaf_clip, fineness, point_count, pixels_a_sample,
-        shadow_growth, fronds,
+        shadow_growth, ribs, rib_slender, rib_arch,
     );
     assert_eq!(layout(&relief, "Frame"), (frame, size_of::<Frame>() as u32));
     let crown = offsets!(CrownNumbers:

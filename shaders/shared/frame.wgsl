@@ -35,7 +35,9 @@ struct Frame {
     point_count: u32,
     pixels_a_sample: f32,
     shadow_growth: f32,
-    fronds: u32,
+    ribs: u32,
+    rib_slender: f32,
+    rib_arch: f32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

@@ -189,7 +189,7 @@ const FULL: Topic = Topic {
 pub(super) fn leaves(leaf: LeafName) -> &'static LeafSet {
     static LEAVES: [OnceLock<LeafSet>; LeafName::ALL.len()] =
         [const { OnceLock::new() }; LeafName::ALL.len()];
-    LEAVES[leaf as usize].get_or_init(|| LeafSet::new(leaf.shape(), Seed(0)))
+    LEAVES[leaf as usize].get_or_init(|| LeafSet::new(leaf, Seed(0)))
 }
 
 impl Live {

@@ -55,9 +55,10 @@ impl ValueEnum for LeafName {
             Self::Lobed => ("lobed", "Wavy lobes: oak"),
             Self::Palmate => ("palmate", "Pointed fingers: maple"),
             Self::Lance => ("lance", "Long and narrow: willow"),
-            Self::Brush => ("brush", "Short needles: spruce, fir"),
+            Self::Brush => ("brush", "Short needles: yew, juniper"),
             Self::Tuft => ("tuft", "Long needles: pine"),
             Self::Frond => ("frond", "Feathered, from the middle to the edge: palm"),
+            Self::Bough => ("bough", "Boughs in tiers: spruce, fir"),
         };
         Some(PossibleValue::new(name).help(help))
     }
@@ -233,7 +234,7 @@ impl CrownExport<'_> {
         let is_ready = session.output.is_ready(&last, made_from)
             && files.values().all(|file| out.join(file).is_file());
         let seed = Seed(session.seed);
-        let mut leaves = leaf_model(&crown, name, leaves.shape(), seed);
+        let mut leaves = leaf_model(&crown, name, leaves, seed);
         session.cancel.check()?;
         let mut surface = surface_model(&crown, &format!("{name}_surface"));
         session.cancel.check()?;

@@ -136,7 +136,7 @@ const GAP: f64 = 0.012;
 const INSIDE: f32 = 0.45;
 
 /// The leaves of a tree: fronds where it was made as a palm, or what the name of the picture tells that gave
-/// most of its outline, or needles where it looks like a conifer.
+/// most of its outline, or boughs where it looks like a conifer.
 fn leaf_of(
     record: &TreeRecord,
     tree: &Tree,
@@ -152,7 +152,7 @@ fn leaf_of(
     if named.is_some() {
         return Ok(named);
     }
-    Ok(is_evergreen(tree, session.cancel)?.then_some(LeafName::Tuft))
+    Ok(is_evergreen(tree, session.cancel)?.then_some(LeafName::Bough))
 }
 
 /// A palm's crown: its fronds go out to all sides, so its outline stands there in several directions, each

@@ -6,11 +6,14 @@
 
 use super::noise::{cells, noise3, ramp};
 use glam::Vec3;
+use serde::{Deserialize, Serialize};
 
 /// Kinds of bark.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum BarkKind {
     /// Deep ridges along the limb: oak, willow, old poplar.
+    #[default]
     Furrowed,
     /// Pale skin with dark dashes across and black cracks low on the stem: birch.
     Birch,

@@ -1,6 +1,5 @@
 //! The leaves that crowns are drawn and exported with, by the names that records and flags have for them.
 
-use super::sprite::LeafShape;
 use serde::{Deserialize, Serialize};
 
 /// Leaves of a crown.
@@ -18,17 +17,19 @@ pub enum LeafName {
     Palmate,
     /// Long and narrow: willow.
     Lance,
-    /// Short needles: spruce, fir.
+    /// Short needles: yew, juniper.
     Brush,
     /// Long needles: pine.
     Tuft,
     /// Feathered, from the middle of the crown to its edge: palm.
     Frond,
+    /// Boughs with short needles in tiers about the stem: spruce, fir.
+    Bough,
 }
 
 impl LeafName {
     /// All of them.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Ovate,
         Self::Round,
         Self::Lobed,
@@ -37,19 +38,6 @@ impl LeafName {
         Self::Brush,
         Self::Tuft,
         Self::Frond,
+        Self::Bough,
     ];
-
-    /// The shape of that name; fronds are made of blades.
-    pub fn shape(self) -> LeafShape {
-        match self {
-            Self::Ovate => LeafShape::Ovate,
-            Self::Round => LeafShape::Round,
-            Self::Lobed => LeafShape::Lobed,
-            Self::Palmate => LeafShape::Palmate,
-            Self::Lance => LeafShape::Lance,
-            Self::Brush => LeafShape::Brush,
-            Self::Tuft => LeafShape::Tuft,
-            Self::Frond => LeafShape::Blade,
-        }
-    }
 }

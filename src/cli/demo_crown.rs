@@ -4,8 +4,8 @@ use super::failure::Failure;
 use super::output::recipe;
 use super::session::Session;
 use crate::base::{Digest, Seed};
+use crate::branches::leaf_name::LeafName;
 use crate::branches::samples::{Sample, sample_named};
-use crate::branches::sprite::LeafShape;
 use crate::export::{crown_file_names, crown_files};
 use crate::pipeline::{CrownError, CrownSettings, crown};
 use crate::raster::{Compression, Mask, encode_png};
@@ -106,7 +106,7 @@ fn picture_of(crown: &Crown, session: &Session<'_>) -> Result<Vec<u8>, Failure> 
         crowns: &[PreparedCrown::new(crown, session.cancel)?],
         instances: &[CrownInstance::plain(0)],
         meshes: &[PreparedMesh::of_trunk(&Trunk::under(crown), crown)],
-        leaves: &LeafSet::new(LeafShape::Lobed, Seed(session.options.seed)),
+        leaves: &LeafSet::new(LeafName::Lobed, Seed(session.options.seed)),
         camera: &Camera::framing(center, radius, VIEW_DEG, 1.0),
         light: &Light::default(),
         backdrop: Backdrop::Studio,

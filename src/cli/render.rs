@@ -375,7 +375,7 @@ impl Flags {
         let things = Things {
             crowns: [self.prepared(crown, session.cancel)?],
             meshes: self.meshes(crown, k),
-            leaves: LeafSet::new(leaf.shape(), Seed(session.options.seed)),
+            leaves: LeafSet::new(leaf, Seed(session.options.seed)),
         };
         stage.advance();
         drop(stage);

@@ -8,19 +8,19 @@
 use super::atlas::{AtlasLayout, atlas};
 use super::blocks::{BlockFormat, CompressedLevels};
 use super::crown_mesh::divided;
-use super::frond_cards::FrondCards;
 use super::glb::{Glb, Material, MeshId};
 use super::ktx2_file::encode_ktx2;
 use super::leaf_cards::{LeafCards, averaged};
 use super::lod_model::{LodModel, WindChannels};
 use super::mips::{data_mips, mips};
 use super::model_mesh::ModelMesh;
+use super::rib_cards::RibCards;
 use super::stem::{Stand, bark_picture, stem};
 use crate::base::{Cancel, Cancelled, Seed};
-use crate::branches::sprite::LeafShape;
+use crate::branches::leaf_name::LeafName;
 use crate::crown::cube_sphere;
 use crate::raster::{Compression, Cubemap, Image, Straight, encode_png};
-use crate::render::srgb_byte;
+use crate::render::{Ribs, RibsFrom, srgb_byte};
 use crate::scene::{Crown, Trunk};
 use glam::DVec3;
 
@@ -30,8 +30,9 @@ const SURFACE_CELLS: [u32; 4] = [64, 32, 16, 8];
 /// Leaves, each a pair of cards, by level.
 const LEAVES: [usize; 4] = [1280, 480, 160, 48];
 
-/// Fronds of a palm, and their pieces, by level.
+/// Fronds of a palm and boughs of a conifer, and their pieces, by level.
 const FRONDS: [(usize, u32); 4] = [(96, 6), (80, 3), (48, 2), (24, 1)];
+const BOUGHS: [(usize, u32); 4] = [(1536, 2), (700, 1), (240, 1), (64, 1)];
 
 /// Quads around and along the stem, by level.
 const STEM: [(u32, u32); 4] = [(24, 20), (14, 10), (8, 5), (5, 3)];
@@ -41,6 +42,7 @@ const CORE_CELLS: [u32; 4] = [12, 8, 5, 4];
 
 /// Size and brightness of the core: it closes the gaps between leaves and is not to be seen itself.
 const CORE: f32 = 0.74;
+const BOUGH_CORE: f32 = 0.5;
 const CORE_LIGHT: f32 = 0.35;
 /// Texels along a face of the core's picture.
 const CORE_PX: u32 = 32;
@@ -92,59 +94,65 @@ pub fn surface_model(crown: &Crown, name: &str) -> CrownModel {
     }
 }
 
-/// Leaves of `shape` all over the crown, in four levels, around a core, on its stem; blades make fronds,
-/// without a core.
-pub fn leaf_model(crown: &Crown, name: &str, shape: LeafShape, seed: Seed) -> CrownModel {
-    if shape == LeafShape::Blade {
-        return frond_model(crown, name, seed);
-    }
+/// `leaf` all over the crown, in four levels, around a core, on its stem; between fronds one sees others, so
+/// they have no core.
+pub fn leaf_model(crown: &Crown, name: &str, leaf: LeafName, seed: Seed) -> CrownModel {
     let (trunk, stand) = standing(crown);
-    let leaves = LeafCards::new(crown, shape, LEAVES[0], seed);
-    let inner = crown.radius_m.map(|&radius| radius * CORE);
-    let colors = averaged(&crown.color, CORE_PX);
-    let dark = colors.map(|&color| {
-        let [r, g, b] = color.map(|channel| srgb_byte(channel * CORE_LIGHT));
-        Straight([r, g, b, 255])
-    });
-    let layout = AtlasLayout::new(dark.size());
-    let levels = (0..LEAVES.len()).map(|level| {
-        let (around, along) = STEM[level];
-        vec![
-            (0, leaves.cards(LEAVES[level], &stand)),
-            (1, surface(crown, &inner, CORE_CELLS[level], layout, &stand)),
-            (2, stem(&trunk, &stand, around, along)),
-        ]
-    });
+    let ribs = Ribs::of(leaf);
+    let (picture, cards) = match &ribs {
+        Some(ribs) => rib_cards(crown, (leaf, ribs), &stand, seed),
+        None => {
+            let leaves = LeafCards::new(crown, leaf, LEAVES[0], seed);
+            let cards = LEAVES.map(|count| leaves.cards(count, &stand));
+            (leaves.picture, cards)
+        }
+    };
+    let core = match ribs.map(|ribs| ribs.from) {
+        Some(RibsFrom::Heart) => None,
+        Some(RibsFrom::Axis) => Some(BOUGH_CORE),
+        None => Some(CORE),
+    };
+    let mut levels: Vec<_> = cards.into_iter().map(|cards| vec![(0, cards)]).collect();
+    let mut materials = vec![tested("leaves", picture)];
+    if let Some(size) = core {
+        let inner = crown.radius_m.map(|&radius| radius * size);
+        let colors = averaged(&crown.color, CORE_PX);
+        let dark = colors.map(|&color| {
+            let [r, g, b] = color.map(|channel| srgb_byte(channel * CORE_LIGHT));
+            Straight([r, g, b, 255])
+        });
+        let layout = AtlasLayout::new(dark.size());
+        for (level, cells) in levels.iter_mut().zip(CORE_CELLS) {
+            level.push((1, surface(crown, &inner, cells, layout, &stand)));
+        }
+        materials.push(solid("core", atlas(&dark)));
+    }
+    let bark = materials.len();
+    for (level, (around, along)) in levels.iter_mut().zip(STEM) {
+        level.push((bark, stem(&trunk, &stand, around, along)));
+    }
+    materials.push(solid("bark", bark_picture(&trunk)));
     CrownModel {
         name: name.to_owned(),
-        levels: levels.collect(),
-        materials: vec![
-            tested("leaves", leaves.picture),
-            solid("core", atlas(&dark)),
-            solid("bark", bark_picture(&trunk)),
-        ],
+        levels,
+        materials,
     }
 }
 
-/// Fronds from the crown's heart to its surface, in four levels, on its stem.
-fn frond_model(crown: &Crown, name: &str, seed: Seed) -> CrownModel {
-    let (trunk, stand) = standing(crown);
-    let fronds = FrondCards::new(crown, FRONDS[0].0, seed);
-    let levels = FRONDS.iter().zip(STEM);
-    let levels = levels.map(|(&(count, bends), (around, along))| {
-        vec![
-            (0, fronds.cards(count, bends, &stand)),
-            (1, stem(&trunk, &stand, around, along)),
-        ]
-    });
-    CrownModel {
-        name: name.to_owned(),
-        levels: levels.collect(),
-        materials: vec![
-            tested("leaves", fronds.picture),
-            solid("bark", bark_picture(&trunk)),
-        ],
-    }
+/// The picture and the levels of fronds or boughs.
+fn rib_cards(
+    crown: &Crown,
+    (leaf, ribs): (LeafName, &Ribs),
+    stand: &Stand,
+    seed: Seed,
+) -> (Image<Straight>, [ModelMesh; 4]) {
+    let levels = match ribs.from {
+        RibsFrom::Heart => FRONDS,
+        RibsFrom::Axis => BOUGHS,
+    };
+    let leaves = RibCards::new(crown, (leaf, ribs), levels[0].0, seed);
+    let cards = levels.map(|(count, bends)| leaves.cards(count, bends, stand));
+    (leaves.picture, cards)
 }
 
 /// A material that is drawn where its picture has alpha.

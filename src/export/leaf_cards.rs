@@ -25,12 +25,11 @@ use super::model_mesh::ModelMesh;
 use super::stem::Stand;
 use super::twig_outline::octagon;
 use crate::base::{Random, Seed};
-use crate::branches::sprite::LeafShape;
+use crate::branches::leaf_name::LeafName;
 use crate::branches::twig_canvas::TwigTexel;
-use crate::branches::twigs::twigs;
 use crate::crown::leaf_points;
 use crate::raster::{CubeFace, Cubemap, Image, Straight, smoothed_cubemap};
-use crate::render::{leaf_area, linear, srgb_byte};
+use crate::render::{leaf_area, leaf_pictures, linear, srgb_byte};
 use crate::scene::Crown;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -100,7 +99,7 @@ pub(super) struct LeafCards {
 
 impl LeafCards {
     /// The `count` leaves of `crown`.
-    pub(super) fn new(crown: &Crown, shape: LeafShape, count: usize, seed: Seed) -> Self {
+    pub(super) fn new(crown: &Crown, kind: LeafName, count: usize, seed: Seed) -> Self {
         let size = crown.radius_m.size();
         let radius = smoothed_cubemap(&crown.radius_m, f64::from(size) / 24.0);
         let texels = radius.faces().iter().flat_map(|face| face.pixels());
@@ -124,7 +123,7 @@ impl LeafCards {
         for (leaf, shade) in leaves.iter_mut().zip(shades) {
             leaf.shade = shade;
         }
-        let twigs = twigs(shape, TWIG_PX, TWIGS, seed);
+        let twigs = leaf_pictures(kind, TWIG_PX, TWIGS, seed);
         let shows = |twig: &Image<TwigTexel>| twig.map(|texel| texel.coverage >= LEAST_COVERAGE);
         Self {
             leaves,
@@ -355,7 +354,7 @@ mod tests {
             height_m: 7.0,
             shift: DVec3::ZERO,
         };
-        let leaves = LeafCards::new(&crown, LeafShape::Ovate, 40, Seed(1));
+        let leaves = LeafCards::new(&crown, LeafName::Ovate, 40, Seed(1));
         let mesh = leaves.cards(40, &stand);
         assert_eq!(mesh.positions.len(), 40 * 3 * 8);
         assert_eq!(mesh.indices.len(), 40 * 3 * 6 * 3);

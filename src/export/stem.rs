@@ -100,7 +100,7 @@ mod tests {
     #[test]
     fn a_stem_stands_on_the_ground_and_faces_outwards() {
         let trunk = Trunk {
-            bark: None,
+            look: None,
             base_m: DVec3::new(0.0, 0.0, 1.0),
             top_m: DVec3::new(0.0, 5.0, 1.0),
             base_radius_m: 0.2,

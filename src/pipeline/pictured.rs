@@ -31,7 +31,8 @@ impl CrownSettings {
         leaf: LeafName,
     ) -> Self {
         let metres_a_pixel = self.height_m / f64::from(crown.bounds.height);
-        let stem = trunk.and_then(|trunk| stem_in(photo, trunk, crown.bounds, metres_a_pixel));
+        let stem =
+            trunk.and_then(|trunk| stem_in(photo, trunk, crown.bounds, (metres_a_pixel, leaf)));
         if let Some(found) = stem {
             self.stem = Some(found.look);
             let tells = found.height_m > LEAST_STEM * self.height_m;

@@ -5,6 +5,8 @@
 //! leaves hide) are left out, and medians of the other rows make up for forks and masks painted in haste.
 
 use super::pictured::Pixels;
+use crate::branches::bark::BarkKind;
+use crate::branches::leaf_name::LeafName;
 use crate::raster::{Image, Rect, Straight};
 use crate::scene::StemLook;
 
@@ -36,12 +38,12 @@ const MIDDLE: f64 = 0.6;
 
 /// The stem among the pixels `trunk` of `photo`, below or within a crown that fills `crown`, pixels.
 ///
-/// `metres_a_pixel` > 0. `None` when too little of a stem is there.
+/// `metres_a_pixel` > 0; the tree has leaves `leaf`. `None` when too little of a stem is there.
 pub(super) fn stem_in(
     photo: &Image<Straight>,
     trunk: &Pixels<'_>,
     crown: Rect,
-    metres_a_pixel: f64,
+    (metres_a_pixel, leaf): (f64, LeafName),
 ) -> Option<FoundStem> {
     let bounds = trunk.bounds;
     if bounds.height < LEAST_ROWS {
@@ -64,12 +66,14 @@ pub(super) fn stem_in(
     // It goes on to taper within the crown as it does below.
     let taper = width(TOP).map_or(1.0, |top| f64::from(top) / f64::from(base_width));
     let taper = (taper * taper).clamp(LEAST_TAPER, 1.0);
+    let bark = bark(photo, trunk, rows([BASE[0], TOP[1]]))?;
     let below_px = foot.saturating_sub(crown.y + crown.height);
     Some(FoundStem {
         look: StemLook {
             base_radius_m,
             top_radius_m: taper * base_radius_m,
-            bark: bark(photo, trunk, rows([BASE[0], TOP[1]]))?,
+            bark,
+            bark_kind: bark_kind(leaf, bark),
         },
         height_m: f64::from(below_px) * metres_a_pixel,
     })
@@ -87,6 +91,23 @@ fn longest_run(trunk: &Pixels<'_>, y: u32) -> (u32, u32) {
         }
     }
     longest
+}
+
+/// Least brightness of a birch's bark, 0 … 255, and most difference of its channels.
+const WHITE: f32 = 150.0;
+const GREY: u8 = 50;
+
+/// The structure of the bark of a tree with such leaves, whose bark has that colour, sRGB.
+fn bark_kind(leaf: LeafName, [r, g, b]: [u8; 3]) -> BarkKind {
+    let is_grey = r.max(g).max(b) - r.min(g).min(b) < GREY;
+    let is_white = Straight([r, g, b, 255]).luma() > WHITE;
+    match leaf {
+        LeafName::Frond => BarkKind::Rings,
+        LeafName::Bough | LeafName::Tuft => BarkKind::Plates,
+        LeafName::Brush => BarkKind::Strips,
+        _ if is_grey && is_white => BarkKind::Birch,
+        _ => BarkKind::Furrowed,
+    }
 }
 
 /// The median colour of the middle of the stem.
@@ -120,7 +141,6 @@ fn median<T: Ord + Copy>(values: &mut [T]) -> Option<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::branches::leaf_name::LeafName;
     use crate::pipeline::CrownSettings;
     use crate::raster::{Mask, opaque_bounds};
 
@@ -129,7 +149,7 @@ mod tests {
             bounds: opaque_bounds(trunk)?,
             has: &|x, y| trunk.at(x, y),
         };
-        stem_in(photo, &trunk, crown, 0.1)
+        stem_in(photo, &trunk, crown, (0.1, LeafName::Ovate))
     }
 
     /// A stem 100 pixels high that tapers from 20 to 14 pixels, with a wide foot, below a crown.
@@ -163,6 +183,14 @@ mod tests {
         assert!((0.5..0.85).contains(&taper), "{found:?}");
         assert_eq!(found.look.bark, [200, 190, 180]);
         assert!((found.height_m - 8.0).abs() < 1e-9, "{found:?}");
+    }
+
+    #[test]
+    fn barks_go_by_leaves_and_colour() {
+        assert_eq!(bark_kind(LeafName::Ovate, [190, 185, 180]), BarkKind::Birch);
+        assert_eq!(bark_kind(LeafName::Ovate, [90, 80, 60]), BarkKind::Furrowed);
+        assert_eq!(bark_kind(LeafName::Frond, [190, 185, 180]), BarkKind::Rings);
+        assert_eq!(bark_kind(LeafName::Bough, [90, 80, 60]), BarkKind::Plates);
     }
 
     #[test]

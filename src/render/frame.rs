@@ -6,6 +6,7 @@
 use super::leaf_set::LeafSet;
 use super::mesh::PreparedMesh;
 use super::prepared::PreparedCrown;
+use super::ribs::RibsFrom;
 use super::settings::{Mode, RenderSettings};
 use crate::scene::{Backdrop, Camera, CrownInstance, Light};
 use bytemuck::{Pod, Zeroable};
@@ -100,10 +101,12 @@ pub struct Frame {
     pub pixels_a_sample: f32,
     /// How much further each step towards the sun goes than the one before.
     pub shadow_growth: f32,
-    /// Whether leaves are fronds, 1 or 0: they go from the heart of the crown to its surface.
-    pub fronds: u32,
-    /// To a multiple of 16 bytes.
-    pub padding: [f32; 2],
+    /// Where the ribs of long leaves begin: 0 leaves are not long, 1 at the crown's heart, 2 on its axis.
+    pub ribs: u32,
+    /// Width of long leaves by their length.
+    pub rib_slender: f32,
+    /// Height of their arch by how far they reach aside.
+    pub rib_arch: f32,
 }
 
 /// What is the same for all instances of a crown.
@@ -167,6 +170,7 @@ impl Frame {
             .camera
             .half_extent(f64::from(settings.size.0) / f64::from(settings.size.1));
         let light = view.light;
+        let ribs = view.leaves.ribs;
         Self {
             clip_from_world: clip_from_world(view.camera, (tan_x, tan_y)),
             eye: view.camera.eye_m().as_vec3().to_array(),
@@ -206,8 +210,9 @@ impl Frame {
             point_count: view.leaves.points.len() as u32,
             pixels_a_sample,
             shadow_growth: shadow_growth(settings.relief.shadow_steps),
-            fronds: u32::from(view.leaves.is_of_fronds),
-            padding: [0.0; 2],
+            ribs: ribs.map_or(0, |ribs| ribs.from as u32),
+            rib_slender: ribs.map_or(0.0, |ribs| ribs.slender),
+            rib_arch: ribs.map_or(0.0, |ribs| ribs.arch),
         }
     }
 
@@ -251,6 +256,8 @@ const FAR_CORE: [f32; 2] = [0.985, 0.9];
 
 /// Finest level of a near core.
 const CORE_LEVEL: f32 = 3.0;
+/// Size of the near core among boughs, by that among leaves: they let one see further in.
+const BOUGH_CORE: f32 = 0.75;
 
 /// Cover up to which leaves are so small that sky shows between them as in the picture, and from which on a
 /// crown is closed.
@@ -341,8 +348,13 @@ impl Resolved {
                 let prepared = &view.crowns[crown];
                 let freedom = leaf_freedom(radius_pixels(view, settings, prepared, &numbers));
                 // Between fronds one sees others, or the sky.
-                if !view.leaves.is_of_fronds && leaf_area(prepared.cover) >= HIDING {
-                    resolved.relief.push((crown, numbers.core(freedom)));
+                let is_of_fronds = (view.leaves.ribs).is_some_and(|r| r.from == RibsFrom::Heart);
+                if !is_of_fronds && leaf_area(prepared.cover) >= HIDING {
+                    let mut core = numbers.core(freedom);
+                    if view.leaves.ribs.is_some() {
+                        core.scale *= 1.0 - (1.0 - BOUGH_CORE) * freedom;
+                    }
+                    resolved.relief.push((crown, core));
                 }
             }
         }

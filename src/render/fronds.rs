@@ -1,20 +1,15 @@
 //! Pictures of a palm's fronds: one feathered leaf fills a picture, from its stalk at the lower edge to its
 //! tip at the upper one, straight and flat. Whoever draws it gives it its length, its width and its droop.
 //!
-//! A frond is [`SLENDER`] times as wide as long; the picture is square, so it is drawn stretched. Leaflets
+//! A frond is [`FROND_SLENDER`] times as wide as long; the picture is square, so it is drawn stretched. Leaflets
 //! stand on both sides of the rib, longest before the middle, ever more forward towards the tip, some torn off
 //! as the wind does.
 
+use super::ribs::FROND_SLENDER;
 use crate::base::{Random, Seed};
 use crate::branches::twig_canvas::{Canvas, TwigTexel};
 use crate::raster::Image;
 use glam::DVec2;
-
-/// Width of a frond by its length.
-pub(crate) const SLENDER: f32 = 0.36;
-
-/// Height of a frond's arch, as a share of how far it reaches aside.
-pub(crate) const ARCH: f32 = 0.21;
 
 /// Leaflets on each side of a frond, and half their thickness at the root, in halves of the picture.
 const LEAFLETS: u32 = 46;
@@ -82,7 +77,7 @@ fn draw_leaflet(canvas: &mut Canvas, share: f64, hand: f64, random: &mut Random)
         let step = length / f64::from(PIECES);
         let next = place
             + DVec2::new(
-                hand * libm::sin(turned) * step / f64::from(SLENDER),
+                hand * libm::sin(turned) * step / f64::from(FROND_SLENDER),
                 -libm::cos(turned) * step,
             );
         let half = THICK * profile.max(0.5) * (1.0 - 0.3 * f64::from(piece));

@@ -4,15 +4,13 @@
 //! with distance. As in I. Castaño, *Computing Alpha Mipmaps* (2010), each level's coverage is
 //! scaled so that the share of texels above one half stays that of the first level.
 
-use super::fronds::fronds;
-use super::needles::{Needles, needle_twigs};
+use super::leaf_pictures::{is_fine, leaf_pictures};
 use crate::base::Seed;
-use crate::branches::sprite::LeafShape;
+use crate::branches::leaf_name::LeafName;
 use crate::branches::twig_canvas::TwigTexel;
-use crate::branches::twigs::twigs;
 use crate::raster::Image;
 
-/// Texels along a side of a twig of leaves, and of needles and fronds, which are thinner.
+/// Texels along a side of a picture, and of one of thin leaves.
 const LEAF_SIZE: u32 = 128;
 const FINE_SIZE: u32 = 256;
 
@@ -35,16 +33,11 @@ pub struct LeafAtlas {
 }
 
 impl LeafAtlas {
-    /// Twigs with leaves of `shape`, whole fronds of blades; takes about 30 ms, with needles 200 ms.
-    pub fn new(shape: LeafShape, seed: Seed) -> Self {
+    /// Pictures of `leaf`; takes about 30 ms, with thin ones 200 ms.
+    pub fn new(leaf: LeafName, seed: Seed) -> Self {
         let texel = |&TwigTexel { shade, coverage }: &TwigTexel| [shade, coverage];
-        let (size, drawn) = match shape {
-            LeafShape::Blade => (FINE_SIZE, fronds(FINE_SIZE, VARIANTS, seed)),
-            _ => match needles(shape) {
-                Some(needles) => (FINE_SIZE, needle_twigs(needles, FINE_SIZE, VARIANTS, seed)),
-                None => (LEAF_SIZE, twigs(shape, LEAF_SIZE, VARIANTS, seed)),
-            },
-        };
+        let size = if is_fine(leaf) { FINE_SIZE } else { LEAF_SIZE };
+        let drawn = leaf_pictures(leaf, size, VARIANTS, seed);
         let mut levels: Vec<Vec<Image<Texel>>> = vec![drawn.iter().map(|t| t.map(texel)).collect()];
         let wanted: Vec<f64> = levels[0].iter().map(covered).collect();
         let mut plain = levels[0].clone();
@@ -101,15 +94,6 @@ impl LeafAtlas {
     }
 }
 
-/// The needles of a shape, if it is one.
-fn needles(shape: LeafShape) -> Option<Needles> {
-    match shape {
-        LeafShape::Brush => Some(Needles::Comb),
-        LeafShape::Tuft => Some(Needles::Fan),
-        _ => None,
-    }
-}
-
 /// Share of the texels that are covered by half at least.
 fn covered(twig: &Image<Texel>) -> f64 {
     let count = twig.pixels().iter().filter(|texel| texel[1] >= 128).count();
@@ -151,13 +135,8 @@ mod tests {
 
     #[test]
     fn coverage_stays_from_level_to_level() {
-        for shape in [
-            LeafShape::Ovate,
-            LeafShape::Brush,
-            LeafShape::Tuft,
-            LeafShape::Blade,
-        ] {
-            let atlas = LeafAtlas::new(shape, Seed(1));
+        for leaf in LeafName::ALL {
+            let atlas = LeafAtlas::new(leaf, Seed(1));
             for twig in 0..VARIANTS as usize {
                 let first = covered(&atlas.levels[0][twig]);
                 for level in &atlas.levels[1..] {
@@ -172,7 +151,7 @@ mod tests {
 
     #[test]
     fn outside_is_clear() {
-        let atlas = LeafAtlas::new(LeafShape::Ovate, Seed(1));
+        let atlas = LeafAtlas::new(LeafName::Ovate, Seed(1));
         assert_eq!(atlas.sampled(0, 0, -0.5, 0.5).1, 0.0);
         assert_eq!(atlas.sampled(3, 2, 0.5, 1.5).1, 0.0);
         let row = (0..32).map(|i| atlas.sampled(0, 3, (i as f32 + 0.5) / 32.0, 0.5).1);

@@ -129,9 +129,9 @@ impl PreparedMesh {
         }
         let mut corners = corners(&mesh, |i| colors[i]);
         for corner in &mut corners {
-            let light = below_crown(crown, DVec3::from(corner.position.map(f64::from)));
-            corner.open = light;
-            corner.sunlit = light;
+            let outside = below_crown(crown, DVec3::from(corner.position.map(f64::from)));
+            corner.open = OPEN_BELOW + (1.0 - OPEN_BELOW) * outside;
+            corner.sunlit = SUNLIT_BELOW + (1.0 - SUNLIT_BELOW) * outside;
         }
         Self::from_corners(corners)
     }
@@ -175,43 +175,45 @@ pub(crate) fn on_trunk(trunk: &Trunk, turn: f64, along: f64) -> (DVec3, [f32; 3]
     )
 }
 
-/// The bark of a stem: in the colour that its picture shows, or that of an oak.
+/// The bark of a stem: as its picture shows it, or that of an oak.
 fn bark_of(trunk: &Trunk) -> Bark {
-    let Some(seen) = trunk.bark else {
+    let Some(look) = trunk.look else {
         return Bark {
             kind: BarkKind::Furrowed,
             low: [112, 98, 82],
             high: [120, 108, 92],
         };
     };
-    let [r, g, b] = seen;
-    let is_grey = r.max(g).max(b) - r.min(g).min(b) < GREY;
-    let is_white = Straight([r, g, b, 255]).luma() > WHITE;
-    let kind = match is_grey && is_white {
-        true => BarkKind::Birch,
-        false => BarkKind::Furrowed,
-    };
-    let lit = seen.map(|channel| (LIFT * f32::from(channel)).min(245.0) as u8);
+    let [r, g, b] = look.bark;
+    let shaded = LEAST_LUMA / Straight([r, g, b, 255]).luma().max(1.0);
+    let lift = shaded.clamp(LIFT, MOST_LIFT);
+    let lit = look
+        .bark
+        .map(|channel| (lift * f32::from(channel)).min(245.0) as u8);
     Bark {
-        kind,
+        kind: look.bark_kind,
         low: lit,
         high: lit,
     }
 }
 
-/// How much lighter bark is than its picture: furrows darken it again, and the picture has shade in it.
+/// How much lighter bark is than its picture: furrows darken it again, and the picture has shade in it. No bark
+/// is darker than the luma: that of a picture which is stood in the shade.
 const LIFT: f32 = 1.3;
+const MOST_LIFT: f32 = 2.6;
+const LEAST_LUMA: f32 = 92.0;
 
-/// Least brightness of a birch's bark, 0 … 255, and most difference of its channels.
-const WHITE: f32 = 150.0;
-const GREY: u8 = 50;
+/// Shares of the light from all around and of the sun's that reach the stem right below a crown: that from the
+/// side still does.
+const OPEN_BELOW: f32 = 0.4;
+const SUNLIT_BELOW: f32 = 0.16;
 
-/// The share of the light that reaches a place beneath a crown: the less the nearer to its surface.
+/// How far outside a crown a place is, 0 at its surface to 1 at twice its radius, for the light that it gets.
 fn below_crown(crown: &Crown, position: DVec3) -> f32 {
     let offset = position - crown.center_m;
     let reach = f64::from(crown.radius_m.sampled(offset + DVec3::Y * 1e-9));
     let outside = (offset.length() / reach - 1.0).clamp(0.0, 1.0);
-    (0.16 + 0.84 * outside.sqrt()) as f32
+    outside.sqrt() as f32
 }
 
 /// A colour for 0 … 1, linear: dark blue, green, yellow.
@@ -249,7 +251,9 @@ mod tests {
         }
         let first = mesh.corners.first().unwrap();
         let last = mesh.corners.last().unwrap();
-        assert!(first.position[1] < 0.1 && first.open > 0.8 && last.open < 0.3);
+        assert!(
+            first.position[1] < 0.1 && first.open > 0.8 && last.open < 0.5 && last.sunlit < 0.3
+        );
     }
 
     #[test]

@@ -6,6 +6,7 @@
 //! Imports `base`, `raster`, `geometry`, `branches` (leaves, bark), `crown`, `scene`.
 
 mod ambient;
+mod boughs;
 mod color;
 pub mod cpu;
 mod error;
@@ -13,6 +14,7 @@ mod frame;
 mod fronds;
 mod gpu;
 mod leaf_atlas;
+mod leaf_pictures;
 mod leaf_set;
 mod mesh;
 mod needles;
@@ -21,6 +23,7 @@ mod packed_cube;
 mod prepared;
 mod proxy;
 mod renderer;
+mod ribs;
 mod settings;
 mod shaders;
 mod surface;
@@ -29,9 +32,9 @@ pub(crate) use color::{linear, srgb_byte};
 pub use error::RenderError;
 pub(crate) use frame::leaf_area;
 pub use frame::{CrownNumbers, Frame, InstanceNumbers, SceneView};
-pub(crate) use fronds::{ARCH as FROND_ARCH, SLENDER as FROND_SLENDER, fronds};
 pub use gpu::{Gpu, GpuRenderer, Shown, Viewport};
 pub use leaf_atlas::LeafAtlas;
+pub(crate) use leaf_pictures::leaf_pictures;
 pub use leaf_set::LeafSet;
 pub(crate) use mesh::on_trunk;
 pub use mesh::{MeshVertex, PreparedMesh};
@@ -39,6 +42,7 @@ pub use packed_cube::PackedCube;
 pub use prepared::PreparedCrown;
 pub use proxy::Proxy;
 pub use renderer::{Backend, Renderer};
+pub(crate) use ribs::{Ribs, RibsFrom, bough_root, in_tiers};
 pub use settings::{
     LeafClip, LeafSettings, Mode, Occlusion, ReliefSettings, RenderSettings, Shortcut,
     SwitchSettings, View,

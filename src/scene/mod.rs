@@ -3,7 +3,7 @@
 //! World frame: right-handed, +Y up, metres, the tree's base at the origin, the photograph's plane
 //! at z = 0, the viewer at +Z.
 //!
-//! Imports `base`, `raster`, `geometry`.
+//! Imports `base`, `raster`, `geometry`, `branches` (kinds of bark).
 
 mod camera;
 mod crown;

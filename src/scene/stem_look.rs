@@ -1,5 +1,6 @@
 //! What a picture shows of a stem.
 
+use crate::branches::bark::BarkKind;
 use serde::{Deserialize, Serialize};
 
 /// How thick a stem is, and the colour of its bark.
@@ -12,6 +13,9 @@ pub struct StemLook {
     pub top_radius_m: f64,
     /// Mean colour, sRGB.
     pub bark: [u8; 3],
+    /// Structure of its bark; furrowed in records of before there was a choice.
+    #[serde(default)]
+    pub bark_kind: BarkKind,
 }
 
 impl StemLook {

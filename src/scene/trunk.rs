@@ -1,6 +1,6 @@
 //! The stem that carries a crown.
 
-use super::Crown;
+use super::{Crown, StemLook};
 use glam::DVec3;
 
 /// A tapered, slightly curved stem.
@@ -16,8 +16,8 @@ pub struct Trunk {
     pub top_radius_m: f64,
     /// How far it bows out half-way, metres.
     pub bow_m: DVec3,
-    /// Mean colour of its bark, sRGB, where a picture shows it.
-    pub bark: Option<[u8; 3]>,
+    /// What a picture shows of it, if one does.
+    pub look: Option<StemLook>,
 }
 
 /// Cover below which one sees the stem within the crown, and how far up it then stands, as a share of the
@@ -54,7 +54,7 @@ impl Trunk {
             base_radius_m,
             top_radius_m,
             bow_m: DVec3::new(0.5, 0.0, 0.3) * usual,
-            bark: crown.stem.map(|stem| stem.bark),
+            look: crown.stem,
         }
     }
 
@@ -84,7 +84,7 @@ mod tests {
             base_radius_m: 0.3,
             top_radius_m: 0.1,
             bow_m: DVec3::X * 0.1,
-            bark: None,
+            look: None,
         };
         assert_eq!(trunk.axis_m(0.0), trunk.base_m);
         assert_eq!(trunk.axis_m(1.0), trunk.top_m);

@@ -15,9 +15,10 @@ pub(in super::super) fn leaf_title(leaf: LeafName) -> &'static str {
         LeafName::Lobed => "Lobed: oak",
         LeafName::Palmate => "Palmate: maple",
         LeafName::Lance => "Narrow: willow",
-        LeafName::Brush => "Short needles: spruce",
+        LeafName::Brush => "Short needles: yew, juniper",
         LeafName::Tuft => "Long needles: pine",
         LeafName::Frond => "Fronds: palm",
+        LeafName::Bough => "Boughs: spruce, fir",
     }
 }
 

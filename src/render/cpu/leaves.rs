@@ -4,8 +4,9 @@
 //! with one depth. Their number follows the crown's size on the screen, and their size follows
 //! their number, so that they cover the crown alike; the last ones grow from nothing.
 //!
-//! A palm has fronds instead: long pictures that go from the crown's heart to its surface, so each is turned
-//! on the screen as its rib runs there, as long as that looks from the eye, and bent upwards by an arch.
+//! A palm has fronds instead, and a conifer boughs: long pictures that go from the crown's heart or its axis to
+//! its surface, so each is turned on the screen as its rib runs there, as long as that looks from the eye, and
+//! bent upwards by an arch.
 
 use super::crown::{level_for, radius_in_samples, sunlit_at, surface_at};
 use super::dither::{hash, hashed, pattern};
@@ -13,8 +14,8 @@ use super::shade::{Place, shaded};
 use super::{Band, Drawn};
 use crate::render::LeafSet;
 use crate::render::frame::{Frame, InstanceNumbers, leaf_freedom};
-use crate::render::fronds::{ARCH, SLENDER};
 use crate::render::leaf_atlas::{LeafAtlas, VARIANTS};
+use crate::render::ribs::{RibsFrom, bough_root};
 use crate::render::surface::normal_from;
 use glam::Vec3;
 
@@ -30,8 +31,17 @@ const STANDS_OUT: f32 = 1.07;
 const FREEST: f32 = 0.6;
 /// How much a twig's normals spread, as those of a ball would.
 const SPREAD: f32 = 0.55;
-/// Shortest that a frond looks that points at the eye, by its width.
+/// Shortest that a long leaf looks that points at the eye, by its width.
 const SHORTEST: f32 = 0.5;
+/// How much wider long leaves are at most where there are fewer.
+const WIDEST: f32 = 1.6;
+/// Share of a bough's width that all boughs of a crown have.
+const EVEN: f32 = 0.18;
+/// How much less far from the axis the innermost boughs reach.
+const INNER: f32 = 0.4;
+/// How far normals of boughs are turned upwards: they lie flat.
+const FLAT: f32 = 0.7;
+const FROM_AXIS: u32 = RibsFrom::Axis as u32;
 
 /// A leaf on the screen.
 pub(super) struct Leaf {
@@ -72,16 +82,18 @@ pub(super) fn leaves(frame: &Frame, drawn: &Drawn<'_>, set: &LeafSet) -> Vec<Lea
     let made = points[..count.ceil() as usize].iter().enumerate();
     made.filter_map(|(index, &[x, y, z, _])| {
         let numbered = (index as u32, count, radius_samples);
-        leaf(frame, (drawn, atlas), Vec3::new(x, y, z), numbered)
+        let ball = (Vec3::new(x, y, z), points.len());
+        leaf(frame, (drawn, atlas), ball, numbered)
     })
     .collect()
 }
 
-/// Leaf `index` of `count`, at `ball` in the unit ball, of a crown with a radius of `crown_samples`.
+/// Leaf `index` of `count`, at `ball` in the unit ball, of a crown with a radius of `crown_samples`; with the
+/// number of leaves there are.
 fn leaf(
     frame: &Frame,
     (drawn, atlas): (&Drawn<'_>, &LeafAtlas),
-    ball: Vec3,
+    (ball, points): (Vec3, usize),
     (index, count, crown_samples): (u32, f32, f32),
 ) -> Option<Leaf> {
     let (numbers, instance) = (&drawn.numbers, &drawn.instance);
@@ -96,20 +108,31 @@ fn leaf(
     let direction = drawn_out * (1.0 / drawn_out.dot(drawn_out).sqrt().max(1e-6));
     let shape_level = numbers.radius_levels.max(4) - 4;
     let reach = radius.sampled(direction, numbers.radius_levels.max(6) - 6);
-    let rib = direction * (STANDS_OUT * reach * grown * (0.6 + 0.4 * vary).min(1.0));
-    let point = if frame.fronds != 0 {
-        rib * 0.5
+    let mut out = (0.6 + 0.4 * vary).min(1.0);
+    if frame.ribs == FROM_AXIS {
+        let inner = hashed(salt ^ 4);
+        out -= INNER * inner * inner;
+    }
+    let tip = direction * (STANDS_OUT * reach * out);
+    let root = if frame.ribs == FROM_AXIS {
+        bough_root(tip, numbers.radius_range[1], numbers.mean_radius)
+    } else {
+        Vec3::ZERO
+    };
+    let rib = (tip - root) * grown;
+    let point = if frame.ribs != 0 {
+        root + rib * 0.5
     } else if frame.leaf_clip == 0 {
         let out = STANDS_OUT * reach * (DEEPEST + (1.0 - DEEPEST) * share) - DRAWN_BACK * half_m;
         direction * out.max(0.0)
     } else {
         ball * numbers.radius_range[1]
     };
-    // A frond is dark at its heart by its picture.
-    let depth_share = if frame.fronds == 0 {
+    // A long leaf is dark at its stalk by its picture.
+    let depth_share = if frame.ribs == 0 {
         point.dot(point).sqrt() / reach
     } else {
-        1.0
+        out
     };
     if depth_share > 1.0 && frame.leaf_clip == 1 && depth_share * reach - half_m * 1.5 > reach {
         return None;
@@ -123,10 +146,21 @@ fn leaf(
     let metres_a_sample = away * frame.sample_size;
     let angle = hashed(salt ^ 2) * std::f32::consts::TAU;
     let samples = instance.scale / metres_a_sample;
-    let laid = if frame.fronds == 0 {
+    let laid = if frame.ribs == 0 {
         Laid::leaf(half_m * instance.scale / metres_a_sample, angle)
     } else {
-        Laid::frond(frame, instance.world(rib) * samples, samples * reach)
+        let length = if frame.ribs == FROM_AXIS {
+            let own = rib.dot(rib).sqrt();
+            own + (numbers.mean_radius * grown - own) * EVEN
+        } else {
+            reach
+        };
+        let wider = (points as f32 / count).sqrt().min(WIDEST) * numbers.leaf_side;
+        Laid::along(
+            frame,
+            instance.world(rib) * samples,
+            samples * length * wider,
+        )
     };
     let across = seen.dot(Vec3::from(frame.right)) / (away * frame.tan_x);
     let upward = seen.dot(Vec3::from(frame.up)) / (away * frame.tan_y);
@@ -135,6 +169,11 @@ fn leaf(
     // Shade is that of the surface above the leaf: within the crown nothing would be lit.
     let normal_local = normal_from(radius, direction, reach, shape_level);
     let above = direction * reach + normal_local * (0.05 * numbers.mean_radius);
+    let facing = if frame.ribs == FROM_AXIS {
+        normal_local + Vec3::new(0.0, FLAT, 0.0)
+    } else {
+        normal_local
+    };
     let inside = (depth_share - 0.45).clamp(0.0, 0.45) / 0.45;
     let bright = 1.1 + 0.2 * hashed(salt ^ 3);
     let texels = atlas.size() as f32 / (2.0 * laid.half / laid.stretch.sqrt()).max(1.0);
@@ -147,7 +186,7 @@ fn leaf(
         level: libm::log2f(texels.max(1.0)).min((atlas.level_count() - 1) as f32),
         salt,
         albedo: albedo * Vec3::from(instance.tint) * bright,
-        normal: instance.world(normal_local),
+        normal: instance.world(facing),
         open: open * (0.35 + 0.65 * inside),
         sunlit: sunlit_at(frame, drawn, above, shape_level) * (0.25 + 0.75 * inside),
         point,
@@ -186,17 +225,17 @@ impl Laid {
         }
     }
 
-    /// A frond whose rib is `rib`, world, in samples, and would be `full` long at most.
-    fn frond(frame: &Frame, rib: Vec3, full: f32) -> Self {
+    /// A long leaf whose rib is `rib`, world, in samples, as wide as one of the length `full`.
+    fn along(frame: &Frame, rib: Vec3, full: f32) -> Self {
         let (right, up) = (Vec3::from(frame.right), Vec3::from(frame.up));
         let (x, y) = (rib.dot(right), -rib.dot(up));
         let length = (x * x + y * y).sqrt();
-        let half_width = 0.5 * SLENDER * full;
+        let half_width = 0.5 * frame.rib_slender * full;
         let half = (0.5 * length).max(SHORTEST * half_width);
         let (x, y) = (x / length.max(1e-6), y / length.max(1e-6));
         let aside = (rib.x * rib.x + rib.z * rib.z).sqrt();
-        // The arch goes up on the screen; what of it is across the rib bends the frond.
-        let bend = -ARCH * aside * up.y * x / half_width.max(1e-6);
+        // The arch goes up on the screen; what of it is across the rib bends the leaf.
+        let bend = -frame.rib_arch * aside * up.y * x / half_width.max(1e-6);
         let stretch = half / half_width.max(1e-6);
         let wide = (1.0 + bend.abs()) / stretch;
         Self {

@@ -1,8 +1,9 @@
-//! The fronds of a palm's crown as bent cards that go from its heart to its surface.
+//! The fronds of a palm's crown as bent cards that go from its heart to its surface, and the boughs of a conifer's
+//! that go there from its axis.
 //!
-//! Each frond is a strip along its rib, which rises in an arch and comes down to the surface; its two halves hang
+//! Each is a strip along its rib, which rises in an arch and comes down to the surface; its two halves hang
 //! from the rib like a roof. It has two sides of its own, back to back, for the reasons that
-//! [`super::leaf_cards`] gives. A level of detail has fewer, wider fronds with fewer bends.
+//! [`super::leaf_cards`] gives. A level of detail has fewer, wider ones with fewer bends.
 
 use super::leaf_cards::{
     COLOR_CELLS, SHADES, SPREAD, TWIG_PX, TWIGS, averaged, grouped, in_front, picture,
@@ -10,27 +11,41 @@ use super::leaf_cards::{
 use super::model_mesh::ModelMesh;
 use super::stem::Stand;
 use crate::base::Seed;
+use crate::branches::leaf_name::LeafName;
 use crate::crown::leaf_points;
 use crate::raster::{Image, Straight, smoothed_cubemap};
-use crate::render::{FROND_ARCH, FROND_SLENDER, fronds};
+use crate::render::{Ribs, RibsFrom, bough_root, in_tiers, leaf_area, leaf_pictures};
 use crate::scene::Crown;
 use glam::DVec3;
 
-/// How far the edges of a frond hang below its rib, by half its width.
+/// How far the edges of a strip hang below its rib, by half its width.
 const HANGING: f64 = 0.35;
 
-/// Distance between the two sides, as a share of a frond's length.
+/// Distance between the two sides, as a share of a rib's length.
 const SIDE_GAP: f64 = 1e-3;
 
-/// Light of the fronds that hang lowest, and what rises adds to it.
+/// How much wider those are at most of which there are fewer.
+const WIDEST: f64 = 1.6;
+
+/// Share of a bough's width that all boughs of a crown have.
+const EVEN: f64 = 0.18;
+
+/// How much less far from the axis the innermost boughs reach.
+const INNER: f64 = 0.4;
+
+/// Light of those that hang lowest, and what rises adds to it.
 const LOW_LIGHT: f64 = 0.75;
 const HIGH_LIGHT: f64 = 0.35;
 
-/// A frond before it is a card.
+/// A frond or bough before it is a card.
 #[derive(Debug, Clone, Copy)]
-struct Frond {
-    /// From the heart to the tip, metres.
+struct Rib {
+    /// From the centre of the crown to where it begins, metres.
+    root: DVec3,
+    /// From there to its tip, metres.
     rib: DVec3,
+    /// Of its strip, metres.
+    half_width: f64,
     /// Turn about its rib, radians.
     roll: f64,
     phase: f64,
@@ -38,31 +53,61 @@ struct Frond {
     shade: usize,
 }
 
-/// All fronds of a crown, best beginning first, and their picture.
+/// All fronds or boughs of a crown, best beginning first, and their picture.
 #[derive(Debug, Clone)]
-pub(super) struct FrondCards {
-    fronds: Vec<Frond>,
-    heart: DVec3,
-    /// Fronds in a row, shades below one another; colour bled under clear texels.
+pub(super) struct RibCards {
+    leaves: Vec<Rib>,
+    center: DVec3,
+    arch: f64,
+    /// Pictures in a row, shades below one another; colour bled under clear texels.
     pub(super) picture: Image<Straight>,
 }
 
-impl FrondCards {
-    /// The `count` fronds of `crown`.
-    pub(super) fn new(crown: &Crown, count: usize, seed: Seed) -> Self {
+impl RibCards {
+    /// The `count` fronds or boughs of `crown`, which `ribs` describes; `leaf` is which of both.
+    pub(super) fn new(
+        crown: &Crown,
+        (leaf, ribs): (LeafName, &Ribs),
+        count: usize,
+        seed: Seed,
+    ) -> Self {
+        let size = crown.radius_m.size();
+        let texels = crown.radius_m.faces().iter().flat_map(|face| face.pixels());
+        let (sum, most) = texels.fold((0.0f64, 0.0f32), |(sum, most), &r| {
+            (sum + f64::from(r), most.max(r))
+        });
+        let mean_radius = sum / f64::from(6 * size * size);
+        let slender = f64::from(ribs.slender) * f64::from(leaf_area(crown.cover)).sqrt();
+        let is_tiered = ribs.from == RibsFrom::Axis;
         let radius = smoothed_cubemap(&crown.radius_m, f64::from(crown.radius_m.size()) / 24.0);
         let colors = averaged(&crown.color, COLOR_CELLS);
         let mut random = seed.derive("frond cards", 0).random();
         let (mut all, mut wanted) = (Vec::new(), Vec::new());
         for point in leaf_points(count, seed) {
-            let direction = point.try_normalize().unwrap_or(DVec3::Y);
+            let mut direction = point.try_normalize().unwrap_or(DVec3::Y);
+            if is_tiered {
+                direction = in_tiers(direction.as_vec3()).as_dvec3();
+            }
             let reach = f64::from(radius.sampled(direction)) * random.between(0.86, 1.04);
+            let inner = if is_tiered { random.unit() } else { 0.0 };
+            let reach = reach * (1.0 - INNER * inner * inner);
             let light =
                 LOW_LIGHT + HIGH_LIGHT * (0.5 + 0.5 * direction.y) + random.between(-0.1, 0.1);
+            let light = light * (1.0 - 0.5 * inner * inner);
             let color = colors.nearest(direction);
             wanted.push(color.map(|channel| channel * light as f32));
-            all.push(Frond {
-                rib: direction * reach,
+            let tip = direction * reach;
+            let (root, length) = if is_tiered {
+                let root = bough_root(tip.as_vec3(), most, mean_radius as f32).as_dvec3();
+                let own = tip.distance(root);
+                (root, own + (mean_radius - own) * EVEN)
+            } else {
+                (DVec3::ZERO, reach)
+            };
+            all.push(Rib {
+                root,
+                rib: tip - root,
+                half_width: 0.5 * slender * length,
                 roll: random.between(-0.5, 0.5),
                 phase: random.unit(),
                 picture: random.below(TWIGS as usize) as u32,
@@ -70,41 +115,42 @@ impl FrondCards {
             });
         }
         let (palette, shades) = grouped(&wanted);
-        for (frond, shade) in all.iter_mut().zip(shades) {
-            frond.shade = shade;
+        for (leaf, shade) in all.iter_mut().zip(shades) {
+            leaf.shade = shade;
         }
         Self {
-            fronds: all,
-            heart: crown.center_m,
-            picture: picture(&fronds(TWIG_PX, TWIGS, seed), &palette),
+            leaves: all,
+            center: crown.center_m,
+            arch: f64::from(ribs.arch),
+            picture: picture(&leaf_pictures(leaf, TWIG_PX, TWIGS, seed), &palette),
         }
     }
 
-    /// The first `count` fronds, each with `bends` pieces.
+    /// The first `count`, each with `bends` pieces.
     pub(super) fn cards(&self, count: usize, bends: u32, stand: &Stand) -> ModelMesh {
         let mut mesh = ModelMesh::default();
-        let count = count.min(self.fronds.len());
-        let wider = (self.fronds.len() as f64 / count.max(1) as f64).sqrt();
-        for frond in &self.fronds[..count] {
+        let count = count.min(self.leaves.len());
+        let wider = (self.leaves.len() as f64 / count.max(1) as f64).sqrt();
+        let center = self.center + stand.shift;
+        for leaf in &self.leaves[..count] {
+            let drawn = Rib {
+                root: center + leaf.root,
+                half_width: leaf.half_width * wider.min(WIDEST),
+                ..*leaf
+            };
             for side in [1.0, -1.0] {
-                frond.add(
-                    &mut mesh,
-                    self.heart + stand.shift,
-                    (wider, bends),
-                    side,
-                    stand,
-                );
+                drawn.add(&mut mesh, (self.arch, bends), side, (center, stand));
             }
         }
         mesh
     }
 }
 
-impl Frond {
-    /// The place and the direction of the rib at a share of its length, from the heart.
-    fn at(&self, share: f64) -> (DVec3, DVec3) {
-        let arch = f64::from(FROND_ARCH) * self.rib.x.hypot(self.rib.z);
-        let place = self.rib * share + DVec3::Y * (arch * 4.0 * share * (1.0 - share));
+impl Rib {
+    /// The place and the direction of the rib at a share of its length.
+    fn at(&self, share: f64, arch: f64) -> (DVec3, DVec3) {
+        let arch = arch * self.rib.x.hypot(self.rib.z);
+        let place = self.root + self.rib * share + DVec3::Y * (arch * 4.0 * share * (1.0 - share));
         let along = self.rib + DVec3::Y * (arch * 4.0 * (1.0 - 2.0 * share));
         (place, along.normalize_or(DVec3::Y))
     }
@@ -113,18 +159,16 @@ impl Frond {
     fn add(
         &self,
         mesh: &mut ModelMesh,
-        heart: DVec3,
-        (wider, bends): (f64, u32),
+        (arch, bends): (f64, u32),
         side: f64,
-        stand: &Stand,
+        (center, stand): (DVec3, &Stand),
     ) {
         let first = mesh.positions.len() as u32;
         let length = self.rib.length();
-        let outward = self.rib.normalize_or(DVec3::Y);
-        let half_width = 0.5 * f64::from(FROND_SLENDER) * length * wider.min(1.6);
+        let outward = (self.root + self.rib - center).normalize_or(DVec3::Y);
         for bend in 0..=bends {
             let share = f64::from(bend) / f64::from(bends);
-            let (place, along) = self.at(share);
+            let (place, along) = self.at(share, arch);
             let level = along.cross(DVec3::Y);
             let level = level.try_normalize().unwrap_or(DVec3::X);
             let above = level.cross(along);
@@ -132,10 +176,10 @@ impl Frond {
             let above = across.cross(along);
             for edge in [-1.0, 0.0, 1.0] {
                 let hanging = HANGING * f64::abs(edge);
-                let aside = (across * edge - above * hanging) * half_width;
+                let aside = (across * edge - above * hanging) * self.half_width;
                 // The upper side of this half of the roof.
                 let facing = (above + across * (HANGING * edge)).normalize() * side;
-                let at = heart + place + aside + above * (side * SIDE_GAP * length);
+                let at = place + aside + above * (side * SIDE_GAP * length);
                 let bent = (facing + outward * SPREAD).normalize_or(facing);
                 let u = (f64::from(self.picture) + 0.5 + 0.5 * edge) / f64::from(TWIGS);
                 let v = (self.shade as f64 + 1.0 - share) / SHADES as f64;
@@ -174,7 +218,8 @@ mod tests {
             height_m: 7.0,
             shift: DVec3::ZERO,
         };
-        let cards = FrondCards::new(&crown, 20, Seed(1));
+        let ribs = Ribs::of(LeafName::Frond).unwrap();
+        let cards = RibCards::new(&crown, (LeafName::Frond, &ribs), 20, Seed(1));
         let mesh = cards.cards(20, 4, &stand);
         assert_eq!(mesh.positions.len(), 20 * 2 * 15);
         assert_eq!(mesh.indices.len(), 20 * 2 * 4 * 2 * 6);

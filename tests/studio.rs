@@ -248,6 +248,49 @@ fn a_save_that_fails_keeps_the_project_dirty_and_says_why() {
 }
 
 #[test]
+fn a_save_that_ends_once_another_project_is_there_gives_it_no_file() {
+    let (mut window, folder) = with_sample();
+    let path = folder.path().join("wald.boscage");
+    let saved = window.state().studio().document().digest();
+    let studio = window.state_mut().studio_mut();
+    studio.act(Action::SaveTo(path.clone()));
+    studio.act(Action::Do(Command::New));
+    let told = |shell: &boscage::app::Shell| {
+        let notices = shell.studio().notices();
+        notices
+            .iter()
+            .any(|notice| notice.text.starts_with("Saved"))
+    };
+    wait(&mut window, told);
+    let studio = window.state().studio();
+    assert!(studio.is_empty());
+    // The next save would write the empty project over the other.
+    assert_eq!(studio.file().path, None);
+    let (opened, _) = boscage::document::store::open(&path).unwrap();
+    assert_eq!(opened.document.digest(), saved);
+}
+
+#[test]
+fn a_project_that_cannot_be_opened_leaves_the_other_one_unsaved() {
+    let (mut window, folder) = with_sample();
+    act(&mut window, Action::Do(Command::RemovePhoto));
+    let broken = folder.path().join("broken.boscage");
+    std::fs::write(&broken, "no project").unwrap();
+    act(&mut window, Action::Open(vec![broken]));
+    assert!(studio_question(&window).is_some());
+    act(&mut window, Action::Answer(Answer::Anyway));
+    let failed = |shell: &boscage::app::Shell| {
+        let notices = shell.studio().notices();
+        notices
+            .iter()
+            .any(|notice| notice.severity == Severity::Error)
+    };
+    wait(&mut window, failed);
+    let document = window.state().studio().document();
+    assert!(document.is_dirty() && document.history_steps().0 == 1);
+}
+
+#[test]
 fn files_that_are_no_pictures_are_refused_by_name() {
     let (mut window, folder) = window();
     let path = folder.path().join("notes.png");

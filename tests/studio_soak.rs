@@ -320,8 +320,13 @@ impl Hand {
         if !rests(window) {
             return;
         }
-        let document = window.state().studio().document();
-        if !document.is_dirty() && !document.is_in_gesture() {
+        let studio = window.state().studio();
+        let (document, is_of_file) = (
+            studio.document(),
+            studio.file().path == Some(self.file.clone()),
+        );
+        // Another project may have come meanwhile, which no file holds.
+        if is_of_file && !document.is_dirty() && !document.is_in_gesture() {
             let (saved, _) = boscage::document::store::open(&self.file).unwrap();
             assert_eq!(saved.document.digest(), document.digest());
         }

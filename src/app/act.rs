@@ -328,8 +328,11 @@ impl Studio {
                 self.save();
             }
             (Question::Unsaved(next), Answer::Anyway) => {
-                self.document
-                    .mark_saved(self.document.snapshot().revision());
+                // Else the window would ask again; a project that cannot be opened leaves this one unsaved.
+                if next == Next::Quit {
+                    let revision = self.document.snapshot().revision();
+                    self.document.mark_saved(revision);
+                }
                 self.go_on(next);
             }
             (Question::ChangedOnDisk(path), Answer::Anyway) => {

@@ -37,12 +37,12 @@ pub(super) enum Outcome {
     Sample(Box<Document>),
     /// A project from an autosave.
     Recovered(Recoverable, Box<Decoded>),
-    /// The project was written.
-    Saved(PathBuf, Stamp, u64),
+    /// A revision of the project of this number was written.
+    Saved(u64, PathBuf, Stamp, u64),
     /// It was not, and why.
-    NotSaved(StoreError),
-    /// An autosave was written.
-    Autosaved(u64),
+    NotSaved(u64, StoreError),
+    /// An autosave of a revision of the project of this number was written.
+    Autosaved(u64, u64),
     /// How the project's file stands to what was read or written last.
     Looked(PathBuf, OnDisk),
     /// An autosave was thrown away.
@@ -124,10 +124,21 @@ impl Studio {
             Outcome::Opened(path, decoded, stamp) => self.opened(path, *decoded, stamp),
             Outcome::Sample(document) => self.replace(*document),
             Outcome::Recovered(left, decoded) => self.recovered(left, *decoded),
-            Outcome::Saved(path, stamp, revision) => self.saved(path, stamp, revision),
-            Outcome::NotSaved(error) => self.not_saved(error),
+            Outcome::Saved(project, path, stamp, revision) if project == self.project => {
+                self.saved(path, stamp, revision);
+            }
+            Outcome::NotSaved(project, error) if project == self.project => self.not_saved(error),
+            Outcome::Autosaved(project, revision) if project == self.project => {
+                self.autosave_clock.wrote(revision);
+            }
+            // Another project has taken the place of the one that was saved: its file is not this one's.
+            Outcome::Saved(_, path, _, _) => {
+                self.preferences.remember(&path);
+                self.notify(Severity::Info, format!("Saved {}", path.display()));
+            }
+            Outcome::NotSaved(_, error) => self.notify(Severity::Error, error.to_string()),
+            Outcome::Autosaved(..) => {}
             Outcome::Live(outcome) => self.accept_live(outcome),
-            Outcome::Autosaved(revision) => self.autosave_clock.wrote(revision),
             Outcome::Looked(path, on_disk) => self.looked(&path, on_disk),
             Outcome::Discarded(folder) => self.recoverable.retain(|left| left.folder != folder),
             Outcome::Vary(outcome) => self.accept_variation(outcome),
@@ -197,7 +208,10 @@ impl Studio {
     pub(super) fn replace(&mut self, document: Document) {
         self.discard_autosave();
         self.document = document;
+        self.project += 1;
         self.file = super::studio::ProjectFile::default();
+        self.after_save = None;
+        self.question = None;
         self.painting = None;
         self.mask_work.sketch = None;
         self.mask_work.held.clear();
@@ -280,13 +294,13 @@ impl Studio {
 
     /// Writes the project to `path`.
     pub(super) fn write_project(&mut self, path: PathBuf, over: Over) {
-        let snapshot = self.document.snapshot();
+        let (snapshot, project) = (self.document.snapshot(), self.project);
         let work = move |context: &Context<Outcome>| {
             let revision = snapshot.revision();
             match store::save(&path, &snapshot, over, context.cancel()) {
-                Ok(stamp) => Ok(Outcome::Saved(path, stamp, revision)),
+                Ok(stamp) => Ok(Outcome::Saved(project, path, stamp, revision)),
                 Err(StoreError::Cancelled(cancelled)) => Err(cancelled.into()),
-                Err(error) => Ok(Outcome::NotSaved(error)),
+                Err(error) => Ok(Outcome::NotSaved(project, error)),
             }
         };
         let topic = topic("save", 0);
@@ -347,7 +361,7 @@ impl Studio {
     /// Writes an autosave; then throws `replaced` away, which it stands for.
     fn write_autosave(&mut self, snapshot: Snapshot, replaced: Option<Recoverable>) {
         let (recovery, shared) = (self.recovery.clone(), Arc::clone(&self.autosave));
-        let file = self.file.path.clone();
+        let (file, project) = (self.file.path.clone(), self.project);
         let work = move |context: &Context<Outcome>| {
             let file = file.as_deref();
             autosaved(&shared, &recovery, &snapshot, file, context.cancel())
@@ -356,7 +370,7 @@ impl Studio {
                 recovery.discard(left).map_err(JobError::failed)?;
                 context.publish(Outcome::Discarded(left.folder.clone()));
             }
-            Ok(Outcome::Autosaved(snapshot.revision()))
+            Ok(Outcome::Autosaved(project, snapshot.revision()))
         };
         let topic = topic("autosave", 0);
         self.jobs

@@ -161,6 +161,8 @@ pub(super) type SharedAutosave = Arc<Mutex<Option<Autosave>>>;
 pub struct Studio {
     /// The project: changed in [`super::act`] only.
     pub(super) document: Document,
+    /// Counts up whenever another project takes its place: what was saved before says nothing of it.
+    pub(super) project: u64,
     /// Counts up whenever the project may look different.
     pub(super) generation: u64,
     pub(super) file: ProjectFile,
@@ -204,6 +206,7 @@ impl Studio {
         let model = preferences.segmentation_model.clone();
         let mut studio = Self {
             document: Document::new(),
+            project: 0,
             generation: 0,
             file: ProjectFile::default(),
             recoverable: recovery.list(),

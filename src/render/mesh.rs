@@ -185,11 +185,12 @@ fn bark_of(trunk: &Trunk) -> Bark {
         };
     };
     let [r, g, b] = look.bark;
-    let shaded = LEAST_LUMA / Straight([r, g, b, 255]).luma().max(1.0);
-    let lift = shaded.clamp(LIFT, MOST_LIFT);
-    let lit = look
-        .bark
-        .map(|channel| (lift * f32::from(channel)).min(245.0) as u8);
+    let luma = Straight([r, g, b, 255]).luma();
+    let lift = (LEAST_LUMA / luma.max(1.0)).clamp(LIFT, MOST_LIFT);
+    let lit = look.bark.map(|channel| {
+        let pale = luma + (f32::from(channel) - luma) * COLOURED;
+        (lift * pale).clamp(0.0, 245.0) as u8
+    });
     Bark {
         kind: look.bark_kind,
         low: lit,
@@ -200,6 +201,8 @@ fn bark_of(trunk: &Trunk) -> Bark {
 /// How much lighter bark is than its picture: furrows darken it again, and the picture has shade in it. No bark
 /// is darker than the luma: that of a picture which is stood in the shade.
 const LIFT: f32 = 1.3;
+/// Share of its colour that bark keeps: the sun has coloured that of the picture, and will again.
+const COLOURED: f32 = 0.7;
 const MOST_LIFT: f32 = 2.6;
 const LEAST_LUMA: f32 = 92.0;
 

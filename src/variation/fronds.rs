@@ -56,6 +56,10 @@ const LEAST_LIKE: f64 = 0.6;
 /// Width of a stem's soft edges, as a share of the picture's side.
 const SOFT_EDGE: f64 = 0.006;
 
+/// How far a stem goes on above its label behind the fronds, as a share of the picture's side: fronds that hid it
+/// may stand elsewhere, above all those of a second palm, which turn about another's heart.
+const JOINT: f64 = 0.07;
+
 /// Whether the name of a picture says that its tree's crown is of fronds.
 ///
 /// ```
@@ -88,6 +92,7 @@ pub(super) fn turned(
     });
     let order = Noise::new(random);
     let stem = stem(tree);
+    let joint = joint(tree);
     let fronds = without(&tree.image, &stem);
     let light = light(&fronds, LEAFLET * heart.reach, cancel)?;
     let has_second = heart.likeness(&fronds) >= LEAST_LIKE;
@@ -123,11 +128,12 @@ pub(super) fn turned(
                     own
                 };
                 let (x, y) = (x as u32, y as u32);
-                let behind = match stem.at(x, y) {
+                let is_joint = joint.at(x, y);
+                let behind = match stem.at(x, y) || is_joint {
                     true => below.image.at(x, y),
                     false => Straight([0; 4]),
                 };
-                let is_stem = below.labels.at(x, y) == Label::Trunk;
+                let is_stem = is_joint || below.labels.at(x, y) == Label::Trunk;
                 *pixel = crown.over(behind);
                 *label = match (crown.alpha() >= 96, is_stem) {
                     (true, _) => Label::Crown,
@@ -148,6 +154,24 @@ fn stem(tree: &Tree) -> Mask {
         *is_stem &= *label != Label::Crown;
     }
     stem
+}
+
+/// What shows of the crown straight above the stem, where that goes on.
+fn joint(tree: &Tree) -> Mask {
+    let (width, height) = (tree.labels.width(), tree.labels.height());
+    let reach = (JOINT * f64::from(width)).ceil() as u32;
+    let mut joint = tree.labels.map(|_| false);
+    for x in 0..width {
+        let mut above = None;
+        for y in (0..height).rev() {
+            match tree.labels.at(x, y) {
+                Label::Trunk => above = Some(y),
+                Label::Crown => joint.set(x, y, above.is_some_and(|stem| stem - y <= reach)),
+                Label::Background => above = None,
+            }
+        }
+    }
+    joint
 }
 
 /// The picture clear where `mask` is.

@@ -71,6 +71,10 @@ const MOST_OF_CROWN: f64 = 0.18;
 /// Standard deviation of the Gaussian that rounds the outline before its normal is taken, in cell sizes.
 const ROUNDED: f64 = 1.3;
 
+/// Share of its height that the tree draws in from the frame, if it touches that above: new leaves stand out of
+/// their outline, and would be cut off straight.
+const HEADROOM: f64 = 0.025;
+
 /// Nodes of the rounded outline in a cell size.
 const NODES: f64 = 6.0;
 
@@ -172,7 +176,9 @@ impl Moves<'_> {
         } else {
             -toward(-dx, self.width - 1.0 - x)
         };
-        [x + dx, y + toward(dy, y)]
+        // A spire may touch the frame with its tip.
+        let headroom = (1.0 - habit.straight()) * stem.headroom(y);
+        [x + dx, y + toward(dy, y) - headroom]
     }
 }
 
@@ -259,6 +265,13 @@ impl Stem {
             side,
             strength,
         }
+    }
+
+    /// How far the tree is drawn in at height `y`: by [`HEADROOM`] at its top, not at all at its foot.
+    fn headroom(&self, y: f64) -> f64 {
+        let height = (self.foot - self.top).max(1.0);
+        let missing = (HEADROOM * height - self.top).max(0.0) * self.strength;
+        missing * ((self.foot - y) / height).clamp(0.0, 1.0)
     }
 
     /// How far aside and below a row of the moved tree comes from.

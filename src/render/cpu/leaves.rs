@@ -13,7 +13,7 @@ use super::dither::{hash, hashed, pattern};
 use super::shade::{Place, shaded};
 use super::{Band, Drawn};
 use crate::render::LeafSet;
-use crate::render::frame::{Frame, InstanceNumbers, leaf_freedom};
+use crate::render::frame::{CrownNumbers, Frame, InstanceNumbers, leaf_freedom};
 use crate::render::leaf_atlas::{LeafAtlas, VARIANTS};
 use crate::render::ribs::{RibsFrom, bough_root};
 use crate::render::surface::normal_from;
@@ -108,20 +108,10 @@ fn leaf(
     let direction = drawn_out * (1.0 / drawn_out.dot(drawn_out).sqrt().max(1e-6));
     let shape_level = numbers.radius_levels.max(4) - 4;
     let reach = radius.sampled(direction, numbers.radius_levels.max(6) - 6);
-    let mut out = (0.6 + 0.4 * vary).min(1.0);
-    if frame.ribs == FROM_AXIS {
-        let inner = hashed(salt ^ 4);
-        out -= INNER * inner * inner;
-    }
-    let tip = direction * (STANDS_OUT * reach * out);
-    let root = if frame.ribs == FROM_AXIS {
-        bough_root(tip, numbers.radius_range[1], numbers.mean_radius)
-    } else {
-        Vec3::ZERO
-    };
-    let rib = (tip - root) * grown;
+    let surface = direction * (STANDS_OUT * reach);
+    let rib = Rib::new(frame, numbers, surface, (salt, vary, grown));
     let point = if frame.ribs != 0 {
-        root + rib * 0.5
+        rib.root + rib.along * 0.5
     } else if frame.leaf_clip == 0 {
         let out = STANDS_OUT * reach * (DEEPEST + (1.0 - DEEPEST) * share) - DRAWN_BACK * half_m;
         direction * out.max(0.0)
@@ -132,7 +122,7 @@ fn leaf(
     let depth_share = if frame.ribs == 0 {
         point.dot(point).sqrt() / reach
     } else {
-        out
+        rib.out
     };
     if depth_share > 1.0 && frame.leaf_clip == 1 && depth_share * reach - half_m * 1.5 > reach {
         return None;
@@ -149,18 +139,8 @@ fn leaf(
     let laid = if frame.ribs == 0 {
         Laid::leaf(half_m * instance.scale / metres_a_sample, angle)
     } else {
-        let length = if frame.ribs == FROM_AXIS {
-            let own = rib.dot(rib).sqrt();
-            own + (numbers.mean_radius * grown - own) * EVEN
-        } else {
-            reach
-        };
         let wider = (points as f32 / count).sqrt().min(WIDEST) * numbers.leaf_side;
-        Laid::along(
-            frame,
-            instance.world(rib) * samples,
-            samples * length * wider,
-        )
+        rib.laid(frame, drawn, (samples, reach, grown), wider)
     };
     let across = seen.dot(Vec3::from(frame.right)) / (away * frame.tan_x);
     let upward = seen.dot(Vec3::from(frame.up)) / (away * frame.tan_y);
@@ -169,11 +149,8 @@ fn leaf(
     // Shade is that of the surface above the leaf: within the crown nothing would be lit.
     let normal_local = normal_from(radius, direction, reach, shape_level);
     let above = direction * reach + normal_local * (0.05 * numbers.mean_radius);
-    let facing = if frame.ribs == FROM_AXIS {
-        normal_local + Vec3::new(0.0, FLAT, 0.0)
-    } else {
-        normal_local
-    };
+    let flat = if frame.ribs == FROM_AXIS { FLAT } else { 0.0 };
+    let facing = normal_local + Vec3::new(0.0, flat, 0.0);
     let inside = (depth_share - 0.45).clamp(0.0, 0.45) / 0.45;
     let bright = 1.1 + 0.2 * hashed(salt ^ 3);
     let texels = atlas.size() as f32 / (2.0 * laid.half / laid.stretch.sqrt()).max(1.0);
@@ -191,12 +168,65 @@ fn leaf(
         sunlit: sunlit_at(frame, drawn, above, shape_level) * (0.25 + 0.75 * inside),
         point,
         metres_a_sample: metres_a_sample / instance.scale,
-        bound: if frame.leaf_clip == 1 {
-            1.0
-        } else {
-            1.0 + FREEST * leaf_freedom(crown_samples * frame.pixels_a_sample)
+        bound: match frame.leaf_clip {
+            1 => 1.0,
+            _ => 1.0 + FREEST * leaf_freedom(crown_samples * frame.pixels_a_sample),
         },
     })
+}
+
+/// The rib of a long leaf.
+struct Rib {
+    /// Where it begins, from the centre of the crown.
+    root: Vec3,
+    /// From there to its tip.
+    along: Vec3,
+    /// How far out its tip is, as a share of the crown's radius.
+    out: f32,
+}
+
+impl Rib {
+    /// The rib towards `surface`, of a leaf of that salt and size that has grown so far.
+    #[inline(always)]
+    fn new(
+        frame: &Frame,
+        numbers: &CrownNumbers,
+        surface: Vec3,
+        (salt, vary, grown): (u32, f32, f32),
+    ) -> Self {
+        let mut out = (0.6 + 0.4 * vary).min(1.0);
+        let mut root = Vec3::ZERO;
+        if frame.ribs == FROM_AXIS {
+            let inner = hashed(salt ^ 4);
+            out -= INNER * inner * inner;
+            root = bough_root(surface * out, numbers.radius_range[1], numbers.mean_radius);
+        }
+        Self {
+            root,
+            along: (surface * out - root) * grown,
+            out,
+        }
+    }
+
+    /// How its leaf, `wider` than usual, lies on the screen, with so many samples for a metre of the crown, which
+    /// reaches so far there.
+    #[inline(always)]
+    fn laid(
+        &self,
+        frame: &Frame,
+        drawn: &Drawn<'_>,
+        (samples, reach, grown): (f32, f32, f32),
+        wider: f32,
+    ) -> Laid {
+        let length = if frame.ribs == FROM_AXIS {
+            let own = self.along.dot(self.along).sqrt();
+            own + (drawn.numbers.mean_radius * grown - own) * EVEN
+        } else {
+            reach
+        };
+        let along = drawn.instance.world(self.along) * samples;
+        Laid::along(frame, along, samples * length * wider)
+    }
 }
 
 /// How a leaf lies on the screen.

@@ -228,6 +228,12 @@ fn edit(label: &'static str, edit: Edit) -> Action {
     }
 }
 
+/// Whether the window tells of an error.
+fn has_failed(shell: &boscage::app::Shell) -> bool {
+    let mut notices = shell.studio().notices().iter();
+    notices.any(|notice| notice.severity == Severity::Error)
+}
+
 #[test]
 fn a_save_that_fails_keeps_the_project_dirty_and_says_why() {
     let (mut window, folder) = with_sample();
@@ -236,13 +242,7 @@ fn a_save_that_fails_keeps_the_project_dirty_and_says_why() {
     std::fs::write(&file, "no folder").unwrap();
     let path = file.join("wald.boscage");
     act(&mut window, Action::SaveTo(path));
-    let failed = |shell: &boscage::app::Shell| {
-        let notices = shell.studio().notices();
-        notices
-            .iter()
-            .any(|notice| notice.severity == Severity::Error)
-    };
-    wait(&mut window, failed);
+    wait(&mut window, has_failed);
     assert!(window.state().studio().document().is_dirty());
     assert_eq!(window.state().studio().file().path, None);
 }
@@ -279,13 +279,7 @@ fn a_project_that_cannot_be_opened_leaves_the_other_one_unsaved() {
     act(&mut window, Action::Open(vec![broken]));
     assert!(studio_question(&window).is_some());
     act(&mut window, Action::Answer(Answer::Anyway));
-    let failed = |shell: &boscage::app::Shell| {
-        let notices = shell.studio().notices();
-        notices
-            .iter()
-            .any(|notice| notice.severity == Severity::Error)
-    };
-    wait(&mut window, failed);
+    wait(&mut window, has_failed);
     let document = window.state().studio().document();
     assert!(document.is_dirty() && document.history_steps().0 == 1);
 }

@@ -124,20 +124,15 @@ impl Studio {
             Outcome::Opened(path, decoded, stamp) => self.opened(path, *decoded, stamp),
             Outcome::Sample(document) => self.replace(*document),
             Outcome::Recovered(left, decoded) => self.recovered(left, *decoded),
-            Outcome::Saved(project, path, stamp, revision) if project == self.project => {
-                self.saved(path, stamp, revision);
+            Outcome::Saved(project, path, stamp, revision) => {
+                self.saved(project, path, (stamp, revision));
             }
-            Outcome::NotSaved(project, error) if project == self.project => self.not_saved(error),
-            Outcome::Autosaved(project, revision) if project == self.project => {
-                self.autosave_clock.wrote(revision);
+            Outcome::NotSaved(project, error) => self.not_saved(project, error),
+            Outcome::Autosaved(project, revision) => {
+                if project == self.project {
+                    self.autosave_clock.wrote(revision);
+                }
             }
-            // Another project has taken the place of the one that was saved: its file is not this one's.
-            Outcome::Saved(_, path, _, _) => {
-                self.preferences.remember(&path);
-                self.notify(Severity::Info, format!("Saved {}", path.display()));
-            }
-            Outcome::NotSaved(_, error) => self.notify(Severity::Error, error.to_string()),
-            Outcome::Autosaved(..) => {}
             Outcome::Live(outcome) => self.accept_live(outcome),
             Outcome::Looked(path, on_disk) => self.looked(&path, on_disk),
             Outcome::Discarded(folder) => self.recoverable.retain(|left| left.folder != folder),
@@ -225,14 +220,18 @@ impl Studio {
         self.changed();
     }
 
-    fn saved(&mut self, path: PathBuf, stamp: Stamp, revision: u64) {
+    fn saved(&mut self, project: u64, path: PathBuf, (stamp, revision): (Stamp, u64)) {
+        self.preferences.remember(&path);
+        self.notify(Severity::Info, format!("Saved {}", path.display()));
+        // Where another project has taken its place, its file is not this one's.
+        if project != self.project {
+            return;
+        }
         if self.file.path.as_deref() != Some(&path) {
             self.file.lock = store::Lock::acquire(&path).ok();
         }
         self.document.mark_saved(revision);
         self.autosave_clock.wrote(revision);
-        self.preferences.remember(&path);
-        self.notify(Severity::Info, format!("Saved {}", path.display()));
         self.file.path = Some(path);
         self.file.stamp = Some(stamp);
         if !self.document.is_dirty() {
@@ -243,10 +242,13 @@ impl Studio {
         }
     }
 
-    fn not_saved(&mut self, error: StoreError) {
-        self.after_save = None;
+    fn not_saved(&mut self, project: u64, error: StoreError) {
+        let is_own = project == self.project;
+        if is_own {
+            self.after_save = None;
+        }
         match error {
-            StoreError::ChangedOnDisk { path } => {
+            StoreError::ChangedOnDisk { path } if is_own => {
                 self.question = Some(Question::ChangedOnDisk(path));
             }
             error => self.notify(Severity::Error, error.to_string()),

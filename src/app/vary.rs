@@ -27,6 +27,8 @@ const MOST_TILES: usize = 800;
 
 /// The mix that the hand holds.
 pub(super) struct Mixed {
+    /// Of what [`Mixed::plain`] is made of.
+    pub(super) plain_key: Digest,
     /// As its exemplars are.
     pub(super) plain: Draft,
     /// In the season that trees are put into, if they are.
@@ -130,7 +132,7 @@ pub(super) struct Vary {
     /// The trees whose likeness was asked for last, and the answer.
     pub(super) asked_score: Vec<Digest>,
     pub(super) score: Option<Scored>,
-    /// The mixed tree in all seasons, and the draft it was.
+    /// The mixed tree in all seasons, and the plain draft it was.
     pub(super) seasons: Option<(Digest, Seasons)>,
     pub(super) asked_seasons: Option<Digest>,
     pub(super) tiles: BTreeMap<Digest, Result<Tile, String>>,

@@ -11,9 +11,9 @@ use crate::pipeline::{Pool, Wishes};
 use crate::raster::{Image, Premultiplied, Straight, resized};
 use crate::segment::{Auto, Segmenter as _};
 use crate::variation::{
-    CompatibilityGraph, Decided, Draft, Drafts, Exemplar, ExemplarSettings, Finish, Library,
-    LibraryError, LibraryPicture, Look, Palette, Repetition, Season, SeasonChoice, SeasonSettings,
-    Shape, Tree, TreeMaker, library_places,
+    CompatibilityGraph, Decided, Draft, Drafts, Exemplar, ExemplarSettings, Finish, Histogram,
+    Library, LibraryError, LibraryPicture, Look, Palette, Repetition, Season, SeasonChoice,
+    SeasonSettings, Shape, Tree, TreeMaker, library_places,
 };
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -220,9 +220,15 @@ impl Studio {
         };
         let like = settings.like.and_then(|like| prepared.index(like));
         let season = settings.season;
-        let key = Hasher::new("draft")
+        // In a season the picture gives the colours of its leaves.
+        let of_maker = like.filter(|_| season.is_none());
+        let plain_key = Hasher::new("draft")
             .with(prepared.stamp.bytes())
-            .with(format!("{parts:?} {like:?} {season:?}").as_bytes())
+            .with(format!("{parts:?} {of_maker:?}").as_bytes())
+            .finish();
+        let key = Hasher::new("draft in season")
+            .with(plain_key.bytes())
+            .with(format!("{like:?} {season:?}").as_bytes())
             .finish();
         if self.vary.asked_draft == Some(key) {
             return;
@@ -235,27 +241,25 @@ impl Studio {
             let cancel = context.cancel();
             let like = like.map(|like| palette(&library, &palettes, like, cancel));
             let like = like.transpose().map_err(failed)?;
-            // In a season the picture gives the colours of its leaves.
-            let of_maker = like.as_deref().filter(|_| season.is_none());
+            let of_maker = like.as_deref().filter(|_| of_maker.is_some());
             let plain = drafts.make(&library, &parts, of_maker, cancel);
             let Some(plain) = plain.map_err(failed)? else {
                 return Ok(Outcome::Vary(VaryOutcome::Draft(key, None)));
             };
-            let put = |season: SeasonChoice| -> Result<Image<Straight>, JobError> {
-                let mut tree = Tree {
+            let put = |season: SeasonChoice| {
+                let tree = Tree {
                     image: plain.image.clone(),
                     labels: plain.labels.clone(),
                 };
-                let finish = Finish {
-                    season: Some(season),
-                    ..Finish::default()
-                };
                 let leaves = like.as_ref().map(|palette| palette.crown());
-                finish.put(&mut tree, leaves, Seed(0), cancel)?;
-                Ok(tree.image)
+                in_season(tree, Some(season), leaves, cancel)
             };
             let in_season = season.map(put).transpose()?;
-            let mixed = Box::new(Mixed { plain, in_season });
+            let mixed = Box::new(Mixed {
+                plain_key,
+                plain,
+                in_season,
+            });
             Ok(Outcome::Vary(VaryOutcome::Draft(key, Some(mixed))))
         };
         let request = Request::new("Mixing", topic("draft"), Priority::Interactive, work);
@@ -264,30 +268,24 @@ impl Studio {
 
     /// Shows the mix in all seasons, unless a hand is about to change it.
     fn draw_seasons(&mut self) {
-        let Some((key, draft)) = &self.vary.draft else {
+        let Some((_, draft)) = &self.vary.draft else {
             return;
         };
-        if self.document.is_in_gesture() || self.vary.asked_seasons == Some(*key) {
+        let key = draft.plain_key;
+        if self.document.is_in_gesture() || self.vary.asked_seasons == Some(key) {
             return;
         }
-        let key = *key;
         self.vary.asked_seasons = Some(key);
         let draft = Arc::clone(draft);
         let work = move |context: &Context<Outcome>| {
             let tree = small_tree(&draft.plain);
             let cancel = context.cancel();
-            let put = |season: Option<Season>| -> Result<Arc<Image<Straight>>, JobError> {
-                let mut tree = tree.clone();
+            let put = |season: Option<Season>| {
                 let season = season.map(|season| SeasonChoice {
                     settings: SeasonSettings::of(season),
                     evergreen: None,
                 });
-                let finish = Finish {
-                    season,
-                    ..Finish::default()
-                };
-                finish.put(&mut tree, None, Seed(0), cancel)?;
-                Ok(Arc::new(tree.image))
+                in_season(tree.clone(), season, None, cancel).map(Arc::new)
             };
             let seasons: Seasons = [
                 put(None)?,
@@ -478,6 +476,21 @@ impl GalleryMaker {
             genome: decided.genome,
         })
     }
+}
+
+/// The picture of `tree` put into a season, if one is given; `like` gives the colours of its leaves.
+fn in_season(
+    mut tree: Tree,
+    season: Option<SeasonChoice>,
+    like: Option<&Histogram>,
+    cancel: &Cancel,
+) -> Result<Image<Straight>, JobError> {
+    let finish = Finish {
+        season,
+        ..Finish::default()
+    };
+    finish.put(&mut tree, like, Seed(0), cancel)?;
+    Ok(tree.image)
 }
 
 /// A draft at the size of a stamp.

@@ -14,7 +14,9 @@ use crate::base::Seed;
 use crate::branches::leaf_name::LeafName;
 use crate::crown::leaf_points;
 use crate::raster::{Image, Straight, smoothed_cubemap};
-use crate::render::{Ribs, RibsFrom, bough_root, in_tiers, leaf_area, leaf_pictures};
+use crate::render::{
+    EVEN, INNER, Ribs, RibsFrom, WIDEST, bough_root, in_tiers, leaf_area, leaf_pictures,
+};
 use crate::scene::Crown;
 use glam::DVec3;
 
@@ -23,15 +25,6 @@ const HANGING: f64 = 0.35;
 
 /// Distance between the two sides, as a share of a rib's length.
 const SIDE_GAP: f64 = 1e-3;
-
-/// How much wider those are at most of which there are fewer.
-const WIDEST: f64 = 1.6;
-
-/// Share of a bough's width that all boughs of a crown have.
-const EVEN: f64 = 0.18;
-
-/// How much less far from the axis the innermost boughs reach.
-const INNER: f64 = 0.4;
 
 /// Light of those that hang lowest, and what rises adds to it.
 const LOW_LIGHT: f64 = 0.75;
@@ -71,12 +64,8 @@ impl RibCards {
         count: usize,
         seed: Seed,
     ) -> Self {
-        let size = crown.radius_m.size();
-        let texels = crown.radius_m.faces().iter().flat_map(|face| face.pixels());
-        let (sum, most) = texels.fold((0.0f64, 0.0f32), |(sum, most), &r| {
-            (sum + f64::from(r), most.max(r))
-        });
-        let mean_radius = sum / f64::from(6 * size * size);
+        let (_, most) = crown.radius_range_m();
+        let mean_radius = crown.mean_radius_m();
         let slender = f64::from(ribs.slender) * f64::from(leaf_area(crown.cover)).sqrt();
         let is_tiered = ribs.from == RibsFrom::Axis;
         let radius = smoothed_cubemap(&crown.radius_m, f64::from(crown.radius_m.size()) / 24.0);
@@ -231,15 +220,40 @@ mod tests {
             // The arch: the middle of a rib is above the line between its ends.
             assert!(rib(2).y >= 0.5 * rib(4).y - 0.01);
         }
-        for corners in mesh.indices.as_chunks::<3>().0 {
-            let [a, b, c] = corners.map(|i| place(i as usize));
-            let Some(face) = (b - a).cross(c - a).try_normalize() else {
-                continue;
-            };
-            for corner in corners {
-                let normal = Vec3::from(mesh.normals[*corner as usize]);
-                assert!(normal.dot(face) > 0.0, "{normal} {face}");
-            }
+        assert!(least_facing(&mesh) > 0.0);
+    }
+
+    /// The least cosine between the normals of a mesh and the triangles they belong to.
+    fn least_facing(mesh: &ModelMesh) -> f32 {
+        let place = |i: u32| Vec3::from(mesh.positions[i as usize]);
+        let triangles = mesh.indices.as_chunks::<3>().0.iter();
+        let facing = triangles.filter_map(|corners| {
+            let [a, b, c] = corners.map(place);
+            let face = (b - a).cross(c - a).try_normalize()?;
+            let normals = corners.map(|i| Vec3::from(mesh.normals[i as usize]).dot(face));
+            normals.into_iter().reduce(f32::min)
+        });
+        facing.fold(1.0, f32::min)
+    }
+
+    #[test]
+    fn boughs_go_from_beside_the_axis_to_the_surface_in_front_of_their_sides() {
+        let crown = Crown::ball(32);
+        let stand = Stand {
+            height_m: 7.0,
+            shift: DVec3::ZERO,
+        };
+        let ribs = Ribs::of(LeafName::Bough).unwrap();
+        let cards = RibCards::new(&crown, (LeafName::Bough, &ribs), 60, Seed(1));
+        let mesh = cards.cards(60, 2, &stand);
+        assert_eq!(mesh.positions.len(), 60 * 2 * 9);
+        let place = |i: usize| Vec3::from(mesh.positions[i]) - Vec3::new(0.0, 5.0, 0.0);
+        let aside = |place: Vec3| place.x.hypot(place.z);
+        for bough in 0..120 {
+            let [root, tip] = [1, 7].map(|i| place(bough * 9 + i));
+            assert!((1.0..2.1).contains(&tip.length()), "{tip}");
+            assert!(aside(root) < 0.5 * aside(tip) + 0.02, "{root} {tip}");
         }
+        assert!(least_facing(&mesh) > 0.0);
     }
 }

@@ -6,6 +6,7 @@
 //! shoots of its own; those nearer the tip lie above, and lighter.
 
 use super::ribs::BOUGH_SLENDER;
+use super::shoot::{Shoot, direction};
 use crate::base::{Random, Seed};
 use crate::branches::twig_canvas::{Canvas, TwigTexel};
 use crate::raster::Image;
@@ -29,6 +30,9 @@ const STEP: f64 = 0.024;
 const NEEDLE: f64 = 0.062;
 const HALF: f64 = 0.0055;
 
+/// Where the wood goes to: from x towards y, which is down.
+const UPWARDS: f64 = -std::f64::consts::FRAC_PI_2;
+
 /// Share of the shoots that are missing.
 const LOST: f64 = 0.08;
 
@@ -39,7 +43,7 @@ pub(super) fn boughs(size: u32, count: u32, seed: Seed) -> Vec<Image<TwigTexel>>
         let mut canvas = Canvas::new(size);
         let wood = Shoot {
             base: DVec2::new(0.0, ROOT),
-            angle: 0.0,
+            angle: UPWARDS,
             length: ROOT - TIP,
             bend: random.between(-0.12, 0.12),
             light: 1.0,
@@ -52,7 +56,7 @@ pub(super) fn boughs(size: u32, count: u32, seed: Seed) -> Vec<Image<TwigTexel>>
                 }
             }
         }
-        wood.draw_wood(&mut canvas, 0.016);
+        wood.draw_tapering_wood(&mut canvas, 0.016);
         let end = wood.part(0.72);
         end.draw_needles(&mut canvas, &mut random);
         canvas.reduced(128)
@@ -60,27 +64,8 @@ pub(super) fn boughs(size: u32, count: u32, seed: Seed) -> Vec<Image<TwigTexel>>
     (0..count).map(bough).collect()
 }
 
-/// A shoot, in a frame where a bough is [`BOUGH_SLENDER`] as wide as long: y down, x aside.
-struct Shoot {
-    base: DVec2,
-    /// From straight up, to the right, radians.
-    angle: f64,
-    length: f64,
-    /// How far it has turned at its end, radians.
-    bend: f64,
-    /// Factor on the brightness.
-    light: f64,
-}
-
+/// In a frame where a bough is [`BOUGH_SLENDER`] as wide as long.
 impl Shoot {
-    /// The place and the direction at a share of the length.
-    fn at(&self, share: f64) -> (DVec2, f64) {
-        // The chord of an arc that turns evenly.
-        let middle = self.angle + 0.5 * self.bend * share;
-        let place = self.base + direction(middle) * (self.length * share);
-        (place, self.angle + self.bend * share)
-    }
-
     /// What is left of it beyond a share of its length.
     fn part(&self, share: f64) -> Self {
         let (base, angle) = self.at(share);
@@ -131,7 +116,7 @@ impl Shoot {
 
     /// The wood, and needles on both sides of it, lighter towards the end: that has grown last.
     fn draw_needles(&self, canvas: &mut Canvas, random: &mut Random) {
-        self.draw_wood(canvas, 0.006);
+        self.draw_tapering_wood(canvas, 0.006);
         let count = (self.length / STEP).ceil() as u32;
         for index in 0..=count {
             let share = f64::from(index) / f64::from(count.max(1));
@@ -146,7 +131,7 @@ impl Shoot {
         }
     }
 
-    fn draw_wood(&self, canvas: &mut Canvas, half: f64) {
+    fn draw_tapering_wood(&self, canvas: &mut Canvas, half: f64) {
         const PIECES: u32 = 6;
         for piece in 0..PIECES {
             let [from, to] = [piece, piece + 1].map(|i| 0.97 * f64::from(i) / f64::from(PIECES));
@@ -165,14 +150,10 @@ fn stroke(canvas: &mut Canvas, ends: [DVec2; 2], half: f64, shade: f64) {
     }
 }
 
-/// The unit vector `angle` radians to the right of straight up.
-fn direction(angle: f64) -> DVec2 {
-    DVec2::new(libm::sin(angle), -libm::cos(angle))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::render::leaf_pictures::is_clear_at_the_edges;
 
     #[test]
     fn boughs_differ_are_wide_below_the_middle_and_end_within_their_picture() {
@@ -184,12 +165,7 @@ mod tests {
             let row = |y: u32| (0..size).filter(|&x| covered(x, y)).count();
             let share = (0..size).map(row).sum::<usize>() as f64 / f64::from(size * size);
             assert!((0.18..0.6).contains(&share), "{share}");
-            let last = size - 1;
-            let is_clear = |i: u32| {
-                [(0, i), (last, i), (i, 0), (i, last)].map(|(x, y)| bough.at(x, y).coverage)
-                    == [0; 4]
-            };
-            assert!((0..size).all(is_clear));
+            assert!(is_clear_at_the_edges(bough));
             let band = |part: u32| {
                 (part * size / 8..(part + 1) * size / 8)
                     .map(row)

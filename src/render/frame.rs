@@ -347,13 +347,15 @@ impl Resolved {
                 resolved.leaves.push((crown, numbers));
                 let prepared = &view.crowns[crown];
                 let freedom = leaf_freedom(radius_pixels(view, settings, prepared, &numbers));
-                // Between fronds one sees others, or the sky.
-                let is_of_fronds = (view.leaves.ribs).is_some_and(|r| r.from == RibsFrom::Heart);
-                if !is_of_fronds && leaf_area(prepared.cover) >= HIDING {
+                let near_size = match view.leaves.ribs.map(|ribs| ribs.from) {
+                    // Between fronds one sees others, or the sky.
+                    Some(RibsFrom::Heart) => None,
+                    Some(RibsFrom::Axis) => Some(BOUGH_CORE),
+                    None => Some(1.0),
+                };
+                if let Some(size) = near_size.filter(|_| leaf_area(prepared.cover) >= HIDING) {
                     let mut core = numbers.core(freedom);
-                    if view.leaves.ribs.is_some() {
-                        core.scale *= 1.0 - (1.0 - BOUGH_CORE) * freedom;
-                    }
+                    core.scale *= 1.0 - (1.0 - size) * freedom;
                     resolved.relief.push((crown, core));
                 }
             }

@@ -89,6 +89,7 @@ fn draw_leaflet(canvas: &mut Canvas, share: f64, hand: f64, random: &mut Random)
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::render::leaf_pictures::is_clear_at_the_edges;
 
     #[test]
     fn fronds_differ_are_feathered_and_end_within_their_picture() {
@@ -100,12 +101,7 @@ mod tests {
             let row = |y: u32| (0..size).filter(|&x| covered(x, y)).count();
             let share = (0..size).map(row).sum::<usize>() as f64 / f64::from(size * size);
             assert!((0.2..0.6).contains(&share), "{share}");
-            let last = size - 1;
-            let is_clear = |i: u32| {
-                [(0, i), (last, i), (i, 0), (i, last)].map(|(x, y)| frond.at(x, y).coverage)
-                    == [0; 4]
-            };
-            assert!((0..size).all(is_clear));
+            assert!(is_clear_at_the_edges(frond));
             // Nothing but the stalk near the lower edge.
             assert!((1..20).contains(&row(size - 10)), "{}", row(size - 10));
             assert!(row(size / 2) > 4 * row(16));

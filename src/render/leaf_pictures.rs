@@ -11,7 +11,7 @@ use crate::branches::twigs::twigs;
 use crate::raster::Image;
 
 /// Whether leaves are thinner than most, and want larger pictures.
-pub(crate) fn is_fine(leaf: LeafName) -> bool {
+pub(super) fn is_fine(leaf: LeafName) -> bool {
     matches!(
         leaf,
         LeafName::Brush | LeafName::Tuft | LeafName::Frond | LeafName::Bough
@@ -38,4 +38,14 @@ pub(crate) fn leaf_pictures(
         LeafName::Frond => fronds(size, count, seed),
         LeafName::Bough => boughs(size, count, seed),
     }
+}
+
+/// Whether nothing reaches the edges of a picture.
+#[cfg(test)]
+pub(super) fn is_clear_at_the_edges(picture: &Image<TwigTexel>) -> bool {
+    let last = picture.width() - 1;
+    (0..=last).all(|i| {
+        let edges = [(0, i), (last, i), (i, 0), (i, last)];
+        edges.map(|(x, y)| picture.at(x, y).coverage) == [0; 4]
+    })
 }

@@ -129,7 +129,7 @@ impl PreparedMesh {
         }
         let mut corners = corners(&mesh, |i| colors[i]);
         for corner in &mut corners {
-            let outside = below_crown(crown, DVec3::from(corner.position.map(f64::from)));
+            let outside = outside_crown(crown, DVec3::from(corner.position.map(f64::from)));
             corner.open = OPEN_BELOW + (1.0 - OPEN_BELOW) * outside;
             corner.sunlit = SUNLIT_BELOW + (1.0 - SUNLIT_BELOW) * outside;
         }
@@ -198,13 +198,13 @@ fn bark_of(trunk: &Trunk) -> Bark {
     }
 }
 
-/// How much lighter bark is than its picture: furrows darken it again, and the picture has shade in it. No bark
-/// is darker than the luma: that of a picture which is stood in the shade.
+/// How much lighter bark is than its picture, at least and at most: furrows darken it again, and the picture has
+/// shade in it. It is lifted to the luma, if that needs no more: what is darker stood in the shade.
 const LIFT: f32 = 1.3;
-/// Share of its colour that bark keeps: the sun has coloured that of the picture, and will again.
-const COLOURED: f32 = 0.7;
 const MOST_LIFT: f32 = 2.6;
 const LEAST_LUMA: f32 = 92.0;
+/// Share of its colour that bark keeps: the sun has coloured that of the picture, and will again.
+const COLOURED: f32 = 0.7;
 
 /// Shares of the light from all around and of the sun's that reach the stem right below a crown: that from the
 /// side still does.
@@ -212,7 +212,7 @@ const OPEN_BELOW: f32 = 0.4;
 const SUNLIT_BELOW: f32 = 0.16;
 
 /// How far outside a crown a place is, 0 at its surface to 1 at twice its radius, for the light that it gets.
-fn below_crown(crown: &Crown, position: DVec3) -> f32 {
+fn outside_crown(crown: &Crown, position: DVec3) -> f32 {
     let offset = position - crown.center_m;
     let reach = f64::from(crown.radius_m.sampled(offset + DVec3::Y * 1e-9));
     let outside = (offset.length() / reach - 1.0).clamp(0.0, 1.0);

@@ -26,6 +26,7 @@ mod renderer;
 mod ribs;
 mod settings;
 mod shaders;
+mod shoot;
 mod surface;
 
 pub(crate) use color::{linear, srgb_byte};
@@ -42,7 +43,7 @@ pub use packed_cube::PackedCube;
 pub use prepared::PreparedCrown;
 pub use proxy::Proxy;
 pub use renderer::{Backend, Renderer};
-pub(crate) use ribs::{Ribs, RibsFrom, bough_root, in_tiers};
+pub(crate) use ribs::{EVEN, INNER, Ribs, RibsFrom, WIDEST, bough_root, in_tiers};
 pub use settings::{
     LeafClip, LeafSettings, Mode, Occlusion, ReliefSettings, RenderSettings, Shortcut,
     SwitchSettings, View,

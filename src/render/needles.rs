@@ -9,6 +9,7 @@
 //!
 //! Limit: needles are thrice as thick as real ones, or a crown would need ten times the twigs.
 
+use super::shoot::{Shoot, direction};
 use crate::base::{Random, Seed};
 use crate::branches::twig_canvas::{Canvas, TwigTexel};
 use crate::raster::Image;
@@ -70,18 +71,6 @@ pub(super) fn needle_twigs(
     (0..count).map(twig).collect()
 }
 
-/// A shoot, in a picture from −1 to 1.
-struct Shoot {
-    base: DVec2,
-    /// Where it sets out to, radians.
-    angle: f64,
-    length: f64,
-    /// How far it has turned at its end, radians.
-    bend: f64,
-    /// Factor on the brightness.
-    light: f64,
-}
-
 /// Distance of needles along a spruce's shoot, their length and half their thickness.
 const COMB_STEP: f64 = 0.028;
 const COMB_LENGTH: f64 = 0.105;
@@ -94,14 +83,6 @@ const FAN_LENGTH: f64 = 0.27;
 const FAN_HALF: f64 = 0.0075;
 
 impl Shoot {
-    /// The place and the direction at a share of the length.
-    fn at(&self, share: f64) -> (DVec2, f64) {
-        // The chord of an arc that turns evenly.
-        let middle = self.angle + 0.5 * self.bend * share;
-        let place = self.base + direction(middle) * (self.length * share);
-        (place, self.angle + self.bend * share)
-    }
-
     /// Side shoots first, then the shoot above them.
     fn draw_comb(&self, canvas: &mut Canvas, random: &mut Random) {
         for index in 0..5 {
@@ -171,10 +152,6 @@ fn stroke(canvas: &mut Canvas, ends: [DVec2; 2], half: f64, shade: f64) {
     if ends[0].length().max(ends[1].length()) + half <= REACH {
         canvas.stroke(ends, half, shade);
     }
-}
-
-fn direction(angle: f64) -> DVec2 {
-    DVec2::new(libm::cos(angle), libm::sin(angle))
 }
 
 #[cfg(test)]

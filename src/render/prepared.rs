@@ -57,7 +57,7 @@ impl PreparedCrown {
             ambient: Arc::new(ambient),
             center: crown.center_m.as_vec3(),
             radius_range: crown.radius_range_m(),
-            mean_radius: mean_radius(crown),
+            mean_radius: crown.mean_radius_m() as f32,
             slender: slender(crown),
             cover: crown.cover,
             stem: [0.0; 4],
@@ -88,7 +88,7 @@ impl PreparedCrown {
             radius: Arc::new(radius),
             center: crown.center_m.as_vec3(),
             radius_range: crown.radius_range_m(),
-            mean_radius: mean_radius(crown),
+            mean_radius: crown.mean_radius_m() as f32,
             slender: slender(crown),
             cover: crown.cover,
             ..self.clone()
@@ -140,16 +140,6 @@ fn slender(crown: &Crown) -> f32 {
     let aside = around.sum::<f32>() / SIDES as f32;
     let along = 0.5 * (radius.sampled(DVec3::Y) + radius.sampled(DVec3::NEG_Y));
     (along / aside.max(1e-6)).clamp(1.0, MOST_SLENDER)
-}
-
-/// The mean of all texels of the radius.
-fn mean_radius(crown: &Crown) -> f32 {
-    let faces = crown.radius_m.faces();
-    let sums = faces
-        .iter()
-        .map(|face| face.pixels().iter().map(|&r| f64::from(r)).sum::<f64>());
-    let count = 6 * faces[0].pixels().len();
-    (sums.sum::<f64>() / count as f64) as f32
 }
 
 fn mean([a, b, c, d]: [f32; 4]) -> f32 {

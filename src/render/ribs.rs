@@ -28,6 +28,13 @@ const LEADER: f32 = 0.45;
 /// Share of a bough, from the axis, that is hidden and not drawn.
 const HIDDEN: f32 = 0.4;
 
+/// How much wider long leaves are at most where there are fewer.
+pub(crate) const WIDEST: f64 = 1.6;
+/// Share of a bough's width that all boughs of a crown have.
+pub(crate) const EVEN: f64 = 0.18;
+/// How much less far from the axis the innermost boughs reach.
+pub(crate) const INNER: f64 = 0.4;
+
 /// How many tiers boughs stand in between the foot of a crown and its top, and how near to them halfway up:
 /// those next to the top and the foot are not to leave a gap.
 const TIERS: f32 = 15.0;

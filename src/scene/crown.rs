@@ -49,6 +49,16 @@ impl Crown {
         })
     }
 
+    /// The mean of all texels of the radius, metres.
+    pub fn mean_radius_m(&self) -> f64 {
+        let faces = self.radius_m.faces();
+        let sums = faces
+            .iter()
+            .map(|face| face.pixels().iter().map(|&r| f64::from(r)).sum::<f64>());
+        let count = 6 * faces[0].pixels().len();
+        sums.sum::<f64>() / count as f64
+    }
+
     /// The middle of the whole tree, half-way between its base and its top above or below the
     /// crown's centre, and the radius of a ball around it that holds the tree; metres.
     pub fn tree_bounds(&self) -> (DVec3, f64) {

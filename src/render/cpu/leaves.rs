@@ -15,7 +15,7 @@ use super::{Band, Drawn};
 use crate::render::LeafSet;
 use crate::render::frame::{CrownNumbers, Frame, InstanceNumbers, leaf_freedom};
 use crate::render::leaf_atlas::{LeafAtlas, VARIANTS};
-use crate::render::ribs::{RibsFrom, bough_root};
+use crate::render::ribs::{self, RibsFrom, bough_root};
 use crate::render::surface::normal_from;
 use glam::Vec3;
 
@@ -33,12 +33,10 @@ const FREEST: f32 = 0.6;
 const SPREAD: f32 = 0.55;
 /// Shortest that a long leaf looks that points at the eye, by its width.
 const SHORTEST: f32 = 0.5;
-/// How much wider long leaves are at most where there are fewer.
-const WIDEST: f32 = 1.6;
-/// Share of a bough's width that all boughs of a crown have.
-const EVEN: f32 = 0.18;
-/// How much less far from the axis the innermost boughs reach.
-const INNER: f32 = 0.4;
+/// Of [`ribs`], at the shader's precision.
+const WIDEST: f32 = ribs::WIDEST as f32;
+const EVEN: f32 = ribs::EVEN as f32;
+const INNER: f32 = ribs::INNER as f32;
 /// How far normals of boughs are turned upwards: they lie flat.
 const FLAT: f32 = 0.7;
 const FROM_AXIS: u32 = RibsFrom::Axis as u32;

@@ -38,7 +38,9 @@ pub(super) fn leaf_row(
             None => by_name.as_str(),
         };
         let combo = ComboBox::from_id_salt("leaf").selected_text(title);
-        let response = combo.width(170.0).height(320.0).show_ui(ui, |ui| {
+        // Names may be longer than the panel is wide.
+        let combo = combo.width(ui.available_width().min(190.0)).truncate();
+        let response = combo.height(320.0).show_ui(ui, |ui| {
             let leaf = &mut settings.leaf;
             let mut is_changed = ui.selectable_value(leaf, None, by_name.as_str()).changed();
             for other in LeafName::ALL {

@@ -31,6 +31,8 @@ pub(super) struct Mixed {
     pub(super) plain_key: Digest,
     /// As its exemplars are.
     pub(super) plain: Draft,
+    /// Whether it keeps its leaves, by the name of its picture.
+    pub(super) evergreen: Option<bool>,
     /// In the season that trees are put into, if they are.
     pub(super) in_season: Option<Image<Straight>>,
 }

@@ -13,7 +13,7 @@ use crate::segment::{Auto, Segmenter as _};
 use crate::variation::{
     CompatibilityGraph, Decided, Draft, Drafts, Exemplar, ExemplarSettings, Finish, Histogram,
     Library, LibraryError, LibraryPicture, Look, Palette, Repetition, Season, SeasonChoice,
-    SeasonSettings, Shape, Tree, TreeMaker, library_places,
+    SeasonSettings, Shape, Tree, TreeMaker, evergreen_by_name, library_places,
 };
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -220,6 +220,7 @@ impl Studio {
         };
         let like = settings.like.and_then(|like| prepared.index(like));
         let season = settings.season;
+        let evergreen = evergreen_by_name(&parts, &prepared.library);
         // In a season the picture gives the colours of its leaves.
         let of_maker = like.filter(|_| season.is_none());
         let plain_key = Hasher::new("draft")
@@ -247,6 +248,10 @@ impl Studio {
                 return Ok(Outcome::Vary(VaryOutcome::Draft(key, None)));
             };
             let put = |season: SeasonChoice| {
+                let season = SeasonChoice {
+                    evergreen: season.evergreen.or(evergreen),
+                    ..season
+                };
                 let tree = Tree {
                     image: plain.image.clone(),
                     labels: plain.labels.clone(),
@@ -258,6 +263,7 @@ impl Studio {
             let mixed = Box::new(Mixed {
                 plain_key,
                 plain,
+                evergreen,
                 in_season,
             });
             Ok(Outcome::Vary(VaryOutcome::Draft(key, Some(mixed))))
@@ -283,7 +289,7 @@ impl Studio {
             let put = |season: Option<Season>| {
                 let season = season.map(|season| SeasonChoice {
                     settings: SeasonSettings::of(season),
-                    evergreen: None,
+                    evergreen: draft.evergreen,
                 });
                 in_season(tree.clone(), season, None, cancel).map(Arc::new)
             };

@@ -89,11 +89,16 @@ pub struct Chosen {
     pub layout: Layout,
 }
 
+/// The part that gives most by `weight`; of equals the first.
+pub(super) fn giver(parts: &[Part], weight: impl Fn(&Part) -> f64) -> Option<&Part> {
+    let parts = parts.iter().rev();
+    parts.max_by(|a, b| weight(a).total_cmp(&weight(b)))
+}
+
 impl Chosen {
     /// The part that gives most by `weight`; of equals the first.
     pub fn giver(&self, weight: impl Fn(&Part) -> f64) -> Option<&Part> {
-        let parts = self.parts.iter().rev();
-        parts.max_by(|a, b| weight(a).total_cmp(&weight(b)))
+        giver(&self.parts, weight)
     }
 
     /// The tree of the given `parts` of `shapes`.

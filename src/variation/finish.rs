@@ -2,9 +2,10 @@
 //!
 //! One description for batches, records and the studio, so that a tree is the same wherever it is made.
 
+use super::choice::giver;
 use super::{
-    Chosen, Histogram, HslShift, IndividualSettings, Library, SeasonSettings, Tree, has_fronds,
-    is_evergreen, make_individual, named_evergreen, put_in_season, reshape,
+    Chosen, Histogram, HslShift, IndividualSettings, Library, Part, SeasonSettings, Tree,
+    has_fronds, is_evergreen, make_individual, named_evergreen, put_in_season, reshape,
 };
 use crate::base::{Cancel, Cancelled, Seed};
 use crate::segment::Label;
@@ -39,10 +40,18 @@ impl SeasonChoice {
     /// most of its colours is by its name.
     #[must_use]
     pub fn of_tree(self, chosen: &Chosen, library: &Library<'_>) -> Self {
-        let giver = chosen.giver(|part| part.color_weight);
-        let name = giver.map(|part| library.entries()[part.exemplar].file_name());
-        name.map_or(self, |name| self.of_picture(&name))
+        let told = || evergreen_by_name(&chosen.parts, library);
+        Self {
+            evergreen: self.evergreen.or_else(told),
+            ..self
+        }
     }
+}
+
+/// Whether a tree of these parts keeps its leaves by the name of the exemplar that gives most of its colours.
+pub fn evergreen_by_name(parts: &[Part], library: &Library<'_>) -> Option<bool> {
+    let giver = giver(parts, |part| part.color_weight)?;
+    named_evergreen(&library.entries()[giver.exemplar].file_name())
 }
 
 /// How the outline of a crown is moved, its stem left as it is.

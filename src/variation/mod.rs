@@ -49,7 +49,7 @@ pub use compatibility::{CompatibilityGraph, Neighbour, are_of_a_kind};
 pub use distortion::Distortion;
 pub use evolve::{Aspect, Brood, Decided, Genome};
 pub use exemplar::{Exemplar, ExemplarError, ExemplarSettings, Outlined, Shape};
-pub use finish::{Finish, Reshaping, SeasonChoice};
+pub use finish::{Finish, Reshaping, SeasonChoice, evergreen_by_name};
 pub use forecast::{Forecast, Foreseen};
 pub use fronds::has_fronds;
 pub use habit::stands_straight;

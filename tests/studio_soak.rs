@@ -15,8 +15,9 @@ use boscage::document::{CrownSettings, Edit, Tangent};
 use egui::{Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, PointerButton, Pos2};
 use egui::{TouchPhase, pos2, vec2};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
-use window::{Window, wait, with_sample};
+use window::{Window, long_lived_window, open_sample, wait, with_sample};
 
 /// Commands that leave the window for a dialog of the desktop or for good, or never rest.
 const LEAVING: [Command; 10] = [
@@ -64,7 +65,8 @@ fn random_gestures_for_hours_harm_nothing_and_need_no_more_memory() {
         told("BOSCAGE_SOAK_GESTURES", 900),
         told("BOSCAGE_SOAK_SEED", 1),
     );
-    let (mut window, folder) = with_sample();
+    let (mut window, folder, textures) = long_lived_window();
+    open_sample(&mut window);
     let mut hand = Hand::new(seed, folder.path());
     hand.begin_again(&mut window);
     let start = Instant::now();
@@ -78,10 +80,11 @@ fn random_gestures_for_hours_harm_nothing_and_need_no_more_memory() {
         hand.begin_again(&mut window);
         memory.push(resident_bytes());
         println!(
-            "after {} gestures, {} s: {:.0} MB",
+            "after {} gestures, {} s: {:.0} MB, textures {:.0} MB",
             hand.gestures,
             start.elapsed().as_secs(),
-            resident_bytes() / 1e6
+            resident_bytes() / 1e6,
+            textures.load(Ordering::Relaxed) as f64 / 1e6,
         );
     }
     // The caches are full after a while: the first third does not count.
@@ -179,11 +182,11 @@ impl Hand {
         act(window, Action::EndGesture);
         rests(window);
         let is_first = !self.sample.is_file();
-        let open = match is_first {
-            true => Action::Do(Command::OpenSample),
-            false => Action::Open(vec![self.sample.clone()]),
-        };
-        act(window, open);
+        if !is_first {
+            act(window, Action::Open(vec![self.sample.clone()]));
+        } else if window.state().studio().is_empty() {
+            act(window, Action::Do(Command::OpenSample));
+        }
         if window.state().studio().question().is_some() {
             act(window, Action::Answer(Answer::Anyway));
         }

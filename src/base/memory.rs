@@ -6,6 +6,9 @@
 //! process in order. Large requests whose failure is an answer (`try_reserve`) are made within
 //! [`asking_for_memory`].
 //!
+//! [`return_free_memory`] is for programs that run for days: glibc keeps what was freed for the thread that
+//! freed it, and threads come and go.
+//!
 //! This is the one file with code that the compiler cannot check: the trait of allocators is unsafe by
 //! its nature. Each function passes its arguments on unchanged, so the system's allocator keeps the
 //! contract for us.
@@ -14,6 +17,11 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::io::Write as _;
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// How long memory may lie about before it is returned again.
+const BETWEEN_RETURNS: Duration = Duration::from_secs(20);
 
 thread_local! {
     static MAY_FAIL: Cell<bool> = const { Cell::new(false) };
@@ -78,3 +86,29 @@ fn end(bytes: usize) -> ! {
     let _ = std::io::stderr().write_all(&line[..line.len() - left]);
     std::process::exit(1)
 }
+
+/// Gives memory that is free within the process back to the system, if that was not done a short while ago;
+/// takes some ten milliseconds then. Does nothing where the allocator does so by itself.
+pub fn return_free_memory() {
+    static LAST: Mutex<Option<Instant>> = Mutex::new(None);
+    let mut last = LAST.lock().unwrap_or_else(PoisonError::into_inner);
+    if last.is_none_or(|last| last.elapsed() >= BETWEEN_RETURNS) {
+        *last = Some(Instant::now());
+        drop(last);
+        trim();
+    }
+}
+
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+fn trim() {
+    use std::ffi::c_int;
+    unsafe extern "C" {
+        /// glibc's: `int malloc_trim(size_t pad)`.
+        fn malloc_trim(pad: usize) -> c_int;
+    }
+    // SAFETY: takes no pointer, touches nothing that is in use, and may be called by any thread at any time.
+    unsafe { malloc_trim(0) };
+}
+
+#[cfg(not(all(target_os = "linux", target_env = "gnu")))]
+fn trim() {}

@@ -19,7 +19,7 @@ pub use file::{
     FileError, changed_at, folder_of, read_limited, sync_names, write_all_atomic, write_atomic,
 };
 pub use hash::{Digest, Hasher, NoDigest};
-pub use memory::{EndingAllocator, asking_for_memory};
+pub use memory::{EndingAllocator, asking_for_memory, return_free_memory};
 pub use panics::{Panicked, without_panics};
 pub use parallel::{Kernel, VectorLevel, limit_vector_level, with_level_of_cpu, with_threads};
 pub use part::{end_writing, remove_left_parts};

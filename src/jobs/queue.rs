@@ -2,7 +2,7 @@
 
 use super::board::{JobView, Phase};
 use super::context::{Context, JobError};
-use crate::base::{Cancel, Cancelled, Update, without_panics};
+use crate::base::{Cancel, Cancelled, Update, return_free_memory, without_panics};
 use std::collections::BTreeMap;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -424,6 +424,7 @@ impl<T: Send + 'static> Shared<T> {
     /// A thread: the given job, then others as long as there are any.
     fn run_jobs(shared: &Arc<Self>, id: JobId, work: Work<T>, cancel: Cancel) {
         let mut next = Some((id, work, cancel));
+        let mut is_last = false;
         while let Some((id, work, cancel)) = next {
             let context = Context::new(Arc::clone(shared), id, cancel);
             let result = without_panics(|| {
@@ -439,9 +440,14 @@ impl<T: Send + 'static> Shared<T> {
             if next.is_none() {
                 // Counted off under the same lock: a job that comes now finds no thread to wait for.
                 state.threads -= 1;
+                is_last = state.threads == 0;
             }
         }
         shared.changed.notify_all();
+        if is_last {
+            // Nothing is to be done: what the work needed lies about in as many heaps as there were threads.
+            return_free_memory();
+        }
     }
 
     fn end(&self, id: JobId, result: Result<T, JobError>) {

@@ -3,10 +3,13 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use boscage::app::Shell;
-use egui_kittest::Harness;
+use egui::{TextureId, TexturesDelta};
 use egui_kittest::kittest::Queryable as _;
-use std::collections::BTreeMap;
+use egui_kittest::{Harness, TestRenderer};
+use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 pub(crate) type Window = Harness<'static, Shell>;
@@ -20,6 +23,51 @@ pub(crate) fn window() -> (Window, tempfile::TempDir) {
 pub(crate) fn drawn_window(size: [f32; 2], density: f32) -> (Window, tempfile::TempDir) {
     let builder = Harness::builder().with_size(size);
     opened(builder.with_pixels_per_point(density).wgpu())
+}
+
+/// As [`window`], with the bytes of the textures that a graphics card would hold for it: nothing is drawn, but what
+/// waits to be drawn does not pile up either.
+pub(crate) fn long_lived_window() -> (Window, tempfile::TempDir, Arc<AtomicUsize>) {
+    let textures = Textures::default();
+    let bytes = Arc::clone(&textures.bytes);
+    let builder = Harness::builder().with_size([1440.0, 900.0]);
+    let (window, folder) = opened(builder.renderer(textures));
+    (window, folder, bytes)
+}
+
+/// Stands for a graphics card: knows its textures by their sizes only.
+#[derive(Default)]
+struct Textures {
+    sizes: HashMap<TextureId, usize>,
+    bytes: Arc<AtomicUsize>,
+}
+
+impl TestRenderer for Textures {
+    fn setup_eframe(&self, _: &mut eframe::CreationContext<'_>, _: &mut eframe::Frame) {}
+
+    fn handle_delta(&mut self, delta: &mut TexturesDelta) {
+        for (&id, images) in &delta.set {
+            // Parts change what is there already.
+            for image in images.iter().filter(|image| image.is_whole()) {
+                let [width, height] = image.image.size();
+                self.sizes.insert(id, 4 * width * height);
+            }
+        }
+        for id in &delta.free {
+            self.sizes.remove(id);
+        }
+        delta.clear();
+        self.bytes
+            .store(self.sizes.values().sum(), Ordering::Relaxed);
+    }
+
+    fn render(
+        &mut self,
+        _: &egui::Context,
+        _: &egui::FullOutput,
+    ) -> Result<image::RgbaImage, String> {
+        Err("nothing is drawn".to_owned())
+    }
 }
 
 fn opened(builder: egui_kittest::HarnessBuilder<Shell>) -> (Window, tempfile::TempDir) {

@@ -265,7 +265,7 @@ fn along_bough(habit: &Habit, to: [f64; 2], y: f64, share: f64, side: f64) -> (f
 
 /// The share of cells that change at this strength: at 0.7 nearly all, for every clump that stays is
 /// found again.
-fn share_changed(strength: f64) -> f64 {
+pub(super) fn share_changed(strength: f64) -> f64 {
     let rest = 1.0 - strength.clamp(0.0, 1.0);
     1.0 - rest * rest * rest
 }
@@ -307,8 +307,7 @@ fn composed(
                     if other_label == Label::Trunk {
                         continue;
                     }
-                    let shown = f32::from(other.alpha()) / 255.0;
-                    let front = shown * (0.25 + 0.75 * (other.luma() + patch.lift) / 255.0);
+                    let front = front(other, patch.lift);
                     let claim = OVERLAP * front - distance / side + rags.at(cell, x, y);
                     if claim > best.0 {
                         best = (claim, lifted(other, patch.lift), other_label);
@@ -321,7 +320,7 @@ fn composed(
 }
 
 /// What makes the borders of cells ragged: a tile of noise, of which each cell sees another part.
-struct Rags {
+pub(super) struct Rags {
     tile: Vec<f32>,
     /// Pixels of the tile for one of the picture.
     scale: f32,
@@ -330,7 +329,7 @@ struct Rags {
 impl Rags {
     const SIDE: usize = 128;
 
-    fn new(side: f64) -> Self {
+    pub(super) fn new(side: f64) -> Self {
         /// Pixels of the tile in a wave.
         const WAVE: f64 = 4.0;
         let noise = Noise::new(&mut Seed(0).random());
@@ -342,7 +341,7 @@ impl Rags {
         }
     }
 
-    fn at(&self, cell: usize, x: usize, y: usize) -> f32 {
+    pub(super) fn at(&self, cell: usize, x: usize, y: usize) -> f32 {
         let place = |along: usize, offset: usize| {
             ((along as f32 * self.scale) as usize + cell * offset) % Self::SIDE
         };
@@ -350,8 +349,14 @@ impl Rags {
     }
 }
 
+/// How far in front the leaf is, 0 to 1, that a pixel shows with its light moved: lighter ones are.
+pub(super) fn front(pixel: Straight, lift: f32) -> f32 {
+    let shown = f32::from(pixel.alpha()) / 255.0;
+    shown * (0.25 + 0.75 * (pixel.luma() + lift) / 255.0)
+}
+
 /// The pixel with its light moved.
-fn lifted(pixel: Straight, lift: f32) -> Straight {
+pub(super) fn lifted(pixel: Straight, lift: f32) -> Straight {
     let [r, g, b, alpha] = pixel.0;
     // By a factor: shade keeps its colour.
     let own = pixel.luma().max(8.0);

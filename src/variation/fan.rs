@@ -13,16 +13,21 @@ const DIRECTIONS: usize = 720;
 /// Waves around the heart: how fronds close up, reach and hang.
 const WAVES: [f64; 3] = [4.0, 6.0, 4.0];
 
-/// How much fronds close up or open out: logarithm of the density, at full strength and at most.
+/// How much fronds close up or open out: logarithm of the density, by waves and on one side against the other (which
+/// turns those between), at full strength, and at most.
 const CLOSER: f64 = 0.7;
-const CLOSEST: f64 = 0.36;
+const TURN: f64 = 0.5;
+const CLOSEST: f64 = 0.5;
 
 /// How much farther or less far fronds reach, as a share.
-const REACH: f64 = 0.15;
+const REACH: f64 = 0.2;
+
+/// How many times as short fronds become at most, that the frame may not cut them.
+const SHORTEST: f64 = 1.25;
 
 /// How much all fronds hang more or less, and each by itself, radians at their tips.
-const DROOP: f64 = 0.22;
-const OWN_DROOP: f64 = 0.12;
+const DROOP: f64 = 0.26;
+const OWN_DROOP: f64 = 0.2;
 
 /// Share of the crown's reach within which the turn grows from nothing: stalks do not swirl.
 const HEARTWOOD: f64 = 0.6;
@@ -103,7 +108,7 @@ impl Heart {
     /// The farthest that fronds reach about as far round as `angle`.
     fn reach_near(&self, angle: f64) -> f64 {
         /// Directions on either side.
-        const NEAR: usize = DIRECTIONS / 30;
+        const NEAR: usize = DIRECTIONS / 20;
         let middle = direction(angle) as usize + DIRECTIONS;
         let near = (middle - NEAR..=middle + NEAR).map(|at| self.outline[at % DIRECTIONS]);
         near.fold(1.0, f64::max)
@@ -138,10 +143,12 @@ impl Fan {
     pub(super) fn new(shorter: f64, strength: f64, random: &mut Random) -> Self {
         let [closer, reach, droop] = [0; 3].map(|_| Noise::new(random));
         let all_hang = DROOP * random.between(-1.0, 1.0);
+        let all_turn = TURN * random.between(-1.0, 1.0);
         let each = |i: usize| TAU * i as f64 / DIRECTIONS as f64 - PI;
         let density = |i: usize| {
             let angle = each(i);
-            let wave = strength * CLOSER * on_circle(&closer, WAVES[0], angle);
+            let wave = CLOSER * on_circle(&closer, WAVES[0], angle);
+            let wave = strength * (wave + all_turn * libm::sin(angle));
             libm::exp(wave.clamp(-CLOSEST, CLOSEST) * free(angle))
         };
         let mut sums = vec![0.0];
@@ -184,9 +191,7 @@ impl Fan {
             let needed = heart
                 .reach_near(self.angle[i])
                 .max(heart.reach_near(-self.angle[i]));
-            // What reaches the frame already may stay as it is.
-            let needed = (needed / room).min(1.0);
-            self.farther[i] = self.farther[i].max(needed);
+            self.farther[i] = self.farther[i].max((needed / room).min(SHORTEST));
         }
         self
     }

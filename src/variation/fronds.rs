@@ -58,7 +58,7 @@ const SOFT_EDGE: f64 = 0.006;
 
 /// How far a stem goes on above its label behind the fronds, as a share of the picture's side: fronds that hid it
 /// may stand elsewhere, above all those of a second palm, which turn about another's heart.
-const JOINT: f64 = 0.07;
+const JOINT: f64 = 0.1;
 
 /// Whether the name of a picture says that its tree's crown is of fronds.
 ///

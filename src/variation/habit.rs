@@ -96,6 +96,11 @@ impl Habit {
         ((y - self.top) / self.half.len() as f64).clamp(0.0, 1.0)
     }
 
+    /// Of the crown, pixels.
+    pub(super) fn height(&self) -> f64 {
+        self.half.len() as f64
+    }
+
     /// The row of the crown's topmost pixel.
     pub(super) fn top(&self) -> f64 {
         self.top

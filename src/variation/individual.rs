@@ -4,8 +4,11 @@
 //! A warp leaves every clump and gap where an eye finds it again. So the crown is cut into cells that take
 //! what other places of it show ([`super::cells`]); limbs sway and the outline swells and shrinks by smooth
 //! noise ([`super::sway`]); near the outline alpha is that of the swayed tree ([`super::rim`]). Strength
-//! says how many cells change and scales all else: more of it keeps all changes and adds to them. A palm's
-//! fronds are no foliage to cut: they are turned about its heart instead ([`super::fronds`]).
+//! says how many cells change and scales all else: more of it keeps all changes and adds to them. What stands
+//! straight gets other boughs first ([`super::tiers`]).
+//!
+//! What is no foliage is not cut: a palm's fronds are turned about its heart ([`super::fronds`]), the limbs of a bare
+//! tree stand in each other's places ([`super::limbs`]).
 //!
 //! Limits: the trunk and the few limbs that cross the whole crown stay or are cut.
 
@@ -13,10 +16,12 @@ use super::cells::{Both, Grid, cell_side, regrown};
 use super::finish::Reshaping;
 use super::fronds;
 use super::habit::Habit;
+use super::limbs::{is_bare, relimbed};
 use super::noise::Noise;
 use super::rim::{clear_loose_leaves, within_outline};
 use super::stem::rebarked;
 use super::sway::{Boughs, swayed};
+use super::tiers::retiered;
 use super::{HslShift, Tree};
 use crate::base::{Cancel, Cancelled, Seed};
 use crate::raster::{Image, opaque_bounds};
@@ -86,10 +91,25 @@ pub fn make_individual(
     if has_fronds && fronds::turned(tree, strength, turn, cancel)? {
         let stance = (&habit, None);
         *tree = swayed(tree, stance, grid.side, [strength; 2], &mut random, cancel)?;
+    } else if is_bare(tree, grid.side) {
+        let of_limbs = &mut seed.derive("limbs", 0).random();
+        let bare = relimbed(tree, &habit, strength, of_limbs, cancel)?;
+        let boughs = Boughs::new(&mut seed.derive("boughs", 0).random());
+        let stance = (&habit, Some(&boughs));
+        *tree = swayed(&bare, stance, grid.side, [strength; 2], &mut random, cancel)?;
     } else {
         let boughs = Boughs::new(&mut seed.derive("boughs", 0).random());
         let stance = (&habit, Some(&boughs));
-        let outline = swayed(tree, stance, grid.side, [strength; 2], &mut random, cancel)?;
+        let of_tiers = &mut seed.derive("tiers", 0).random();
+        let tiered = retiered(tree, &habit, grid.side, strength, of_tiers, cancel)?;
+        let outline = swayed(
+            &tiered,
+            stance,
+            grid.side,
+            [strength; 2],
+            &mut random,
+            cancel,
+        )?;
         let both = Both {
             swayed: &outline,
             tree,

@@ -117,3 +117,27 @@ pub(super) fn clear_loose_leaves(tree: &mut Tree, inside: &Image<f32>, side: f64
         }
     }
 }
+
+/// Clears what hangs in the air and did not stand there in `before`, up to so many pixels a piece.
+pub(super) fn clear_new_loose(made: &mut Tree, before: &Tree, most: f64) {
+    let parts = labelled_components(&made.image.map(|pixel| pixel.alpha() >= 48));
+    let count = parts.pixels().iter().copied().max().unwrap_or(0) as usize;
+    let mut found = vec![(0u32, false); count + 1];
+    let pixels = made.image.pixels().iter().zip(before.image.pixels());
+    for (&part, (new, old)) in parts.pixels().iter().zip(pixels) {
+        let (area, is_changed) = &mut found[part as usize];
+        *area += 1;
+        *is_changed |= new != old;
+    }
+    let largest = found[1..].iter().map(|part| part.0).max().unwrap_or(0);
+    let is_loose = |part: u32| {
+        let (area, is_changed) = found[part as usize];
+        part > 0 && is_changed && area < largest && f64::from(area) < most
+    };
+    let pixels = made.image.pixels_mut().iter_mut();
+    for ((pixel, label), &part) in pixels.zip(made.labels.pixels_mut()).zip(parts.pixels()) {
+        if is_loose(part) && *label != Label::Trunk {
+            (*pixel, *label) = (Straight([0; 4]), Label::Background);
+        }
+    }
+}

@@ -87,8 +87,8 @@ fn end(bytes: usize) -> ! {
     std::process::exit(1)
 }
 
-/// Gives memory that is free within the process back to the system, if that was not done a short while ago;
-/// takes some ten milliseconds then. Does nothing where the allocator does so by itself.
+/// Gives memory that is free within the process back to the system, if that was not done a short while ago.
+/// Goes through all that is free, so not for the thread that draws. Does nothing where there is no glibc.
 pub fn return_free_memory() {
     static LAST: Mutex<Option<Instant>> = Mutex::new(None);
     let mut last = LAST.lock().unwrap_or_else(PoisonError::into_inner);

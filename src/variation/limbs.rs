@@ -8,6 +8,7 @@ use super::Tree;
 use super::cells::share_changed;
 use super::followed::{FOLLOWED, Followed};
 use super::habit::Habit;
+use super::sway::between;
 use crate::base::{Cancel, Cancelled, Random};
 use crate::raster::{Image, Straight, closed_and_filled};
 use crate::segment::Label;
@@ -240,7 +241,10 @@ impl Placed {
         for y in within(top - reach, height)..within(bottom + reach, height) {
             for x in within(left - reach, width)..within(right + reach, width) {
                 let [u, v] = self.source(from, [f64::from(x), f64::from(y)]);
-                let shown = between_pixels_of(&tree.image, of_pixel, number, [u, v]);
+                let shown = between([u, v], |column, row| {
+                    let is_of_limb = of_pixel.get(column, row) == Some(number);
+                    tree.image.get(column, row).filter(|_| is_of_limb)
+                });
                 if shown.alpha() == 0 {
                     continue;
                 }
@@ -256,36 +260,4 @@ impl Placed {
             }
         }
     }
-}
-
-/// The colour of a limb at a place between pixels: bilinear, weighted by alpha; other limbs are clear.
-fn between_pixels_of(
-    image: &Image<Straight>,
-    of_pixel: &Image<u16>,
-    limb: u16,
-    [x, y]: [f64; 2],
-) -> Straight {
-    let (left, top) = (x.floor(), y.floor());
-    let (s, t) = (x - left, y - top);
-    let mut sums = [0.0f64; 4];
-    for (dx, dy, share) in [
-        (0, 0, (1.0 - s) * (1.0 - t)),
-        (1, 0, s * (1.0 - t)),
-        (0, 1, (1.0 - s) * t),
-        (1, 1, s * t),
-    ] {
-        let (column, row) = (left as i64 + dx, top as i64 + dy);
-        if of_pixel.get(column, row) != Some(limb) {
-            continue;
-        }
-        let pixel = image.get(column, row).unwrap_or_default();
-        let share = share * f64::from(pixel.alpha());
-        for (sum, value) in sums.iter_mut().zip([pixel.0[0], pixel.0[1], pixel.0[2]]) {
-            *sum += share * f64::from(value);
-        }
-        sums[3] += share;
-    }
-    let [r, g, b, alpha] = sums;
-    let color = |sum: f64| (sum / alpha.max(1e-9) + 0.5).clamp(0.0, 255.0) as u8;
-    Straight([color(r), color(g), color(b), (alpha + 0.5) as u8])
 }

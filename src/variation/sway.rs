@@ -382,6 +382,11 @@ impl Rounded {
 
 /// The colour of `image` at a place between its pixels: bilinear, weighted by alpha.
 pub(super) fn between_pixels(image: &Image<Straight>, x: f64, y: f64) -> Straight {
+    between([x, y], |column, row| image.get(column, row))
+}
+
+/// The same of the pixels that `at` gives; others are clear.
+pub(super) fn between([x, y]: [f64; 2], at: impl Fn(i64, i64) -> Option<Straight>) -> Straight {
     let (left, top) = (x.floor(), y.floor());
     let (s, t) = (x - left, y - top);
     let mut sums = [0.0f64; 4];
@@ -392,7 +397,7 @@ pub(super) fn between_pixels(image: &Image<Straight>, x: f64, y: f64) -> Straigh
         (1, 1, s, t),
     ];
     for (dx, dy, across, down) in corners {
-        let Some(pixel) = image.get(left as i64 + dx, top as i64 + dy) else {
+        let Some(pixel) = at(left as i64 + dx, top as i64 + dy) else {
             continue;
         };
         let share = across * down * f64::from(pixel.alpha());

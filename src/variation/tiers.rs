@@ -326,6 +326,7 @@ impl<'a> Crown<'a> {
             let Some((pixel, label)) = self.seen(strip, out, row) else {
                 continue;
             };
+            // Each strip sees another part of the noise.
             let number = (strip.to * 7.0) as usize;
             let claim = OVERLAP * front(pixel, strip.lift) - apart as f32 + rags.at(number, x, y);
             if claim > best.0 {

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Compares a release build with the table of golden results (tests/determinism.rs), as this processor
+# Compares a release build with the table of golden results (tests/commands/determinism.rs), as this processor
 # runs it and as older and newer ones would: `qemu-x86_64` of Debian's qemu-user shows the program
 # another processor, so that whatever chooses code by it, here or in a library, chooses as there.
 #
@@ -9,7 +9,7 @@ cd "$(dirname "$0")/.."
 program=$(realpath "${1:-target/release/boscage}")
 
 compare() { # compare NAME PROGRAM
-    if BOSCAGE_PROGRAM=$2 cargo test --locked --quiet --test determinism -- --test-threads 1 >/tmp/levels.$$ 2>&1; then
+    if BOSCAGE_PROGRAM=$2 cargo test --locked --quiet --test commands determinism:: -- --test-threads 1 >/tmp/levels.$$ 2>&1; then
         printf 'level %s: as the table says\n' "$1"
     else
         printf 'level %s: DIFFERS or fails\n' "$1"

@@ -37,28 +37,28 @@ passed() { # passed WHAT COMMAND…: a line that says how it ended
 
 run_supply() {
     passed 'licences, sources and banned crates (cargo deny)' cargo deny --locked --offline check licenses bans sources
-    passed 'no unsafe code but where it is listed, no network (tests/supply.rs)' tests --test supply
+    passed 'no unsafe code but where it is listed, no network (tests/house/supply.rs)' tests --test house supply::
 }
 run_files() {
     scripts/reliability/bad_files.py "$program" --every "$(usually 10 1)" ${corpus:+--corpus "$corpus"} | grep -v ^FAIL
 }
-run_projects() { tests --test project_files damaged | told '^damaged'; }
+run_projects() { tests --test commands damaged | told '^damaged'; }
 run_saves() { BOSCAGE_KILLS=$(usually 100 1000) tests --test killed_saves | told kills; }
 run_cancel() { scripts/reliability/cancel.py "$program" --busy --times "$(usually 5 20)" | grep ^cancel; }
 run_farm() { scripts/reliability/farm.py "$program" --kills "$(usually 20 100)" --count "$(usually 32 100)"; }
 run_slurm() { scripts/reliability/farm.py "$program" --kills "$(usually 20 100)" --count "$(usually 32 100)" --slurm; }
 run_levels() { scripts/levels.sh target/release/boscage; }
-run_limits() { passed 'no memory, no threads, a full disk' tests --test limits; }
+run_limits() { passed 'no memory, no threads, a full disk' tests --test commands limits::; }
 run_device() {
     passed 'graphics card lost while a picture is drawn' tests --test render_gpu lost
-    BOSCAGE_LOSSES=$(usually 6 50) tests --test studio_card | told '^graphics card lost in'
+    BOSCAGE_LOSSES=$(usually 6 50) tests --test studio card:: | told '^graphics card lost in'
 }
 run_library() {
     BOSCAGE_LIBRARY=$(usually 2000 10000) BOSCAGE_PHOTO=$(usually 8000 20000) cargo test --locked --quiet \
-        --test studio_library -- --ignored --nocapture --test-threads 1 2>&1 | told '^(library|200|photograph)'
+        --test studio library:: -- --ignored --nocapture --test-threads 1 2>&1 | told '^(library|200|photograph)'
 }
 run_gestures() {
-    BOSCAGE_SOAK_GESTURES=$(usually 1500 28800) cargo test --locked --quiet --test studio_soak -- \
+    BOSCAGE_SOAK_GESTURES=$(usually 1500 28800) cargo test --locked --quiet --test studio soak:: -- \
         --ignored --nocapture 2>&1 | told '^random'
 }
 run_fuzz() { scripts/fuzz.sh "$(usually 60 1800)" ${corpus:+"$corpus"}; }

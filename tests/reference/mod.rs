@@ -2,8 +2,6 @@
 //! `../shared/data`), results of public tools in `BOSCAGE_ORACLE` (default `oracle` beside it). Where
 //! a folder is missing, tests say so and pass.
 #![allow(dead_code, reason = "each test needs a part of it")]
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-#![allow(clippy::print_stderr, reason = "a left-out test must say so")]
 
 use boscage::raster::{Image, Mask, ReadLimits, Straight, read_image};
 use std::path::{Path, PathBuf};

@@ -80,6 +80,17 @@ impl Trees {
     }
 }
 
+/// The entries of `library` that become trees with `target`: not the same picture under another path.
+fn others_and(target: Option<usize>, library: &Library<'_>) -> Vec<usize> {
+    let entries = library.entries();
+    let is_other = |index: &usize| {
+        target.is_none_or(|target| {
+            *index == target || entries[*index].digest != entries[target].digest
+        })
+    };
+    (0..entries.len()).filter(is_other).collect()
+}
+
 /// A checked job.
 pub(crate) struct Vary {
     pub(crate) folder: PathBuf,
@@ -192,7 +203,7 @@ impl Vary {
         session: &Run<'_>,
     ) -> Result<Vec<Decided>, Failure> {
         let all = Pool {
-            members: (0..library.entries().len()).collect(),
+            members: others_and(target, library),
             has_target: target.is_some(),
         };
         let seed = |index| Seed(session.seed).derive("tree", index);

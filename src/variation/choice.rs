@@ -26,7 +26,7 @@ pub enum ChoiceError {
     #[error(transparent)]
     Cage(#[from] CageError),
     /// Nothing may be mixed.
-    #[error("no two of these trees match in trunk and density; any pair must be allowed")]
+    #[error("no two of these trees match in trunk, density and habit; any pair must be allowed")]
     NoMatch,
 }
 
@@ -404,6 +404,7 @@ pub(super) fn drawn_shape(width: f64, density: f64) -> Shape {
         baseline_y: Some(80.0),
         density,
         fullness: density,
+        straight: 0.0,
         texture: 0.01,
         gaps: Vec::new(),
     }

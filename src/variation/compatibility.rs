@@ -32,14 +32,19 @@ const DENSITY_RANGE: f64 = 0.2;
 /// outline (0.8) are the paper's Fig. 15.
 const FULLNESS_RANGE: f64 = 0.3;
 
-/// Whether two trees are of a kind: both with or both without a trunk, about as dense and about as
-/// full. Only such are mixed at random.
+/// Largest difference in how straight, 0 to 1, trees of a kind stand: a spire mixed with a round crown is
+/// neither.
+const STRAIGHT_RANGE: f64 = 0.6;
+
+/// Whether two trees are of a kind: both with or both without a trunk, about as dense, about as full, and both
+/// spires or both round. Only such are mixed at random.
 pub fn are_of_a_kind(a: &Shape, b: &Shape) -> bool {
     // A cage may lose the trunk that the outline has: between strands that hang to the ground.
     a.contour.pins.has_trunk() == b.contour.pins.has_trunk()
         && a.cage.pins.has_trunk() == b.cage.pins.has_trunk()
         && (a.density - b.density).abs() <= DENSITY_RANGE
         && (a.fullness - b.fullness).abs() <= FULLNESS_RANGE
+        && (a.straight - b.straight).abs() <= STRAIGHT_RANGE
 }
 
 /// Every so many vertices of the cage one is compared.

@@ -4,6 +4,7 @@
 //! own, so that `inspect` can show each; [`Exemplar::prepare`] runs them in order.
 
 use super::gaps::gaps;
+use super::habit::Habit;
 use super::measures::{fullness, texture};
 use super::normalize::{Normalized, normalized};
 use crate::base::{Cancel, Cancelled, Progress};
@@ -112,6 +113,8 @@ pub struct Shape {
     pub density: f64,
     /// Share of the crown's convex hull that is opaque, 0 to 1: how much of a crown there is.
     pub fullness: f64,
+    /// How much the crown stands about one straight stem, 0 (round) to 1 (a spire or a column).
+    pub straight: f64,
     /// How coarse the foliage is: the distance at which it looks like another place, per picture side.
     pub texture: f64,
     /// The largest gaps between branches, the largest first.
@@ -197,6 +200,7 @@ impl Shape {
             baseline_y: self.baseline_y.map(|y| y * scale),
             density: self.density,
             fullness: self.fullness,
+            straight: self.straight,
             texture: self.texture,
             gaps: self
                 .gaps
@@ -314,6 +318,7 @@ impl Outlined {
             baseline_y,
             density,
             fullness: fullness(&self.mask, labels),
+            straight: Habit::seen(&self.mask, labels).map_or(0.0, |habit| habit.straight()),
             texture: texture(image, &self.mask, labels),
             gaps,
         }

@@ -36,6 +36,9 @@ const HEARTWOOD: f64 = 0.6;
 const STEM: f64 = 0.25;
 const SOFT: f64 = 0.55;
 
+/// Width of the directions about another stem's end that stay where they are, radians: the fronds there are its own.
+const HELD: f64 = 0.3;
+
 /// Where fronds grow from: the top of the stem.
 pub(super) struct Heart {
     /// Pixels.
@@ -91,6 +94,11 @@ impl Heart {
         })
     }
 
+    /// The row it is in.
+    pub(super) fn top(&self) -> f64 {
+        self.at[1]
+    }
+
     /// Distance and angle of a place, pixels and radians from straight up, clockwise.
     pub(super) fn polar(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let (dx, dy) = (x - self.at[0], y - self.at[1]);
@@ -140,11 +148,16 @@ pub(super) struct Fan {
 }
 
 impl Fan {
-    pub(super) fn new(shorter: f64, strength: f64, random: &mut Random) -> Self {
+    /// A fan that is drawn; the directions `held` stay, radians.
+    pub(super) fn new(shorter: f64, strength: f64, held: &[f64], random: &mut Random) -> Self {
         let [closer, reach, droop] = [0; 3].map(|_| Noise::new(random));
         let all_hang = DROOP * random.between(-1.0, 1.0);
         let all_turn = TURN * random.between(-1.0, 1.0);
         let each = |i: usize| TAU * i as f64 / DIRECTIONS as f64 - PI;
+        let free = |angle: f64| {
+            let away = |held: &f64| 1.0 - libm::exp(-((angle - held) / HELD).powi(2));
+            free(angle) * held.iter().map(away).product::<f64>()
+        };
         let density = |i: usize| {
             let angle = each(i);
             let wave = CLOSER * on_circle(&closer, WAVES[0], angle);
@@ -155,7 +168,6 @@ impl Fan {
         for i in 0..DIRECTIONS {
             sums.push(sums[i] + 0.5 * (density(i) + density(i + 1)));
         }
-        let whole = sums[DIRECTIONS];
         let farther = |i: usize| {
             let wave = strength * REACH * on_circle(&reach, WAVES[1], each(i));
             1.0 + (1.0 / (1.0 - shorter + wave) - 1.0) * free(each(i))
@@ -165,7 +177,7 @@ impl Fan {
             strength * (all_hang * libm::sin(each(i)) + own) * free(each(i))
         };
         Self {
-            angle: sums.iter().map(|sum| TAU * sum / whole - PI).collect(),
+            angle: held_at(&sums, held),
             farther: (0..=DIRECTIONS).map(farther).collect(),
             droop: (0..=DIRECTIONS).map(hangs).collect(),
         }
@@ -211,6 +223,22 @@ impl Fan {
     }
 }
 
+/// The angles that directions come from whose densities add up to `sums`, those `held` from themselves.
+fn held_at(sums: &[f64], held: &[f64]) -> Vec<f64> {
+    let mut stays: Vec<usize> = held.iter().map(|held| direction(*held) as usize).collect();
+    stays.extend([0, DIRECTIONS]);
+    stays.sort_unstable();
+    stays.dedup();
+    let each = |i: usize| TAU * i as f64 / DIRECTIONS as f64 - PI;
+    let mut angles = vec![-PI];
+    for ends in stays.windows(2) {
+        let [first, last] = [ends[0], ends[1]];
+        let width = (each(last) - each(first)) / (sums[last] - sums[first]);
+        angles.extend((first + 1..=last).map(|i| each(first) + (sums[i] - sums[first]) * width));
+    }
+    angles
+}
+
 /// How free fronds are to move in a direction: not straight down, where the stem is.
 fn free(angle: f64) -> f64 {
     ((PI - STEM - angle.abs()) / SOFT).clamp(0.0, 1.0)
@@ -241,8 +269,10 @@ mod tests {
     #[test]
     fn fans_keep_their_order() {
         for seed in 0..20 {
-            let fan = Fan::new(0.0, 1.0, &mut Seed(seed).random());
+            let fan = Fan::new(0.0, 1.0, &[0.8], &mut Seed(seed).random());
             assert!(fan.angle.is_sorted());
+            let held = direction(0.8);
+            assert!((between(&fan.angle, held.floor()) - 0.8).abs() < TAU / DIRECTIONS as f64);
             assert!((fan.angle[0] + PI).abs() < 1e-9 && (fan.angle[DIRECTIONS] - PI).abs() < 1e-9);
         }
     }

@@ -9,7 +9,7 @@
 //!
 //! *Limits.* The real maps go in several steps and see the folds that a single step makes melt away;
 //! what is foreseen is for putting pairs in order, not for measuring them. Nothing in it was fitted
-//! to measured distortions. `tests/compatibility.rs` prints how well the orders agree.
+//! to measured distortions. `tests/variations/compatibility.rs` prints how well the orders agree.
 
 use super::distortion::{Distortion, sample_points};
 use super::mean_value::{Cage, coordinates};
@@ -182,6 +182,7 @@ mod tests {
             baseline_y: None,
             density: 1.0,
             fullness: 1.0,
+            straight: 0.0,
             texture: 0.01,
             gaps: Vec::new(),
         }

@@ -6,16 +6,17 @@
 //! with the angle, so nothing folds), each with a length and a droop of its own. A second layer, the same
 //! crown mirrored and turned otherwise, stands before the first in some directions and behind it in others;
 //! where both could be, the lighter frond is in front. Where the crown is not alike on both sides (twin
-//! palms) it is left out.
+//! palms) it is left out, and about another stem's end fronds stay where they are.
 //!
 //! Limits: one heart, the top of the stem's label; a frond that crosses straight below the heart stays.
 
 use super::fan::{Fan, Heart, on_circle};
+use super::joint::Behind;
 use super::noise::Noise;
 use super::sway::between_pixels;
 use super::{Tree, named};
 use crate::base::{Cancel, Cancelled, Random};
-use crate::raster::{Image, Mask, Straight, dilated, smoothed_within};
+use crate::raster::{Image, Mask, Straight, smoothed_within};
 use crate::segment::Label;
 use rayon::prelude::*;
 
@@ -53,13 +54,6 @@ const LEAFLET: f64 = 0.02;
 /// Least likeness (intersection over union) of a crown with its mirror image for a second layer.
 const LEAST_LIKE: f64 = 0.6;
 
-/// Width of a stem's soft edges, as a share of the picture's side.
-const SOFT_EDGE: f64 = 0.006;
-
-/// How far a stem goes on above its label behind the fronds, as a share of the picture's side: fronds that hid it
-/// may stand elsewhere, above all those of a second palm, which turn about another's heart.
-const JOINT: f64 = 0.1;
-
 /// Whether the name of a picture says that its tree's crown is of fronds.
 ///
 /// ```
@@ -85,21 +79,24 @@ pub(super) fn turned(
     let Some(heart) = Heart::of(tree) else {
         return Ok(false);
     };
+    let behind = Behind::of(tree, heart.top());
+    let held: Vec<f64> = behind
+        .others
+        .iter()
+        .map(|end| heart.polar(*end)[1])
+        .collect();
     let frame = [tree.image.width(), tree.image.height()].map(|side| f64::from(side) - 1.0);
     let [first, second] = [0.0, SHORTER].map(|shorter| {
-        let fan = Fan::new(shorter, strength, random);
+        let fan = Fan::new(shorter, strength, &held, random);
         fan.within(&heart, frame)
     });
     let order = Noise::new(random);
-    let stem = stem(tree);
-    let joint = joint(tree);
-    let fronds = without(&tree.image, &stem);
+    let fronds = without(&tree.image, &behind.stem);
     let light = light(&fronds, LEAFLET * heart.reach, cancel)?;
     let has_second = heart.likeness(&fronds) >= LEAST_LIKE;
     // From a quarter of the strength on all of it.
     let second_share = (4.0 * strength).min(1.0);
     let width = tree.image.width() as usize;
-    let below = tree.clone();
     let rows = tree.image.pixels_mut().par_chunks_mut(width);
     rows.zip(tree.labels.pixels_mut().par_chunks_mut(width))
         .enumerate()
@@ -128,14 +125,8 @@ pub(super) fn turned(
                     own
                 };
                 let (x, y) = (x as u32, y as u32);
-                let is_joint = joint.at(x, y);
-                let behind = match stem.at(x, y) || is_joint {
-                    true => below.image.at(x, y),
-                    false => Straight([0; 4]),
-                };
-                let is_stem = is_joint || below.labels.at(x, y) == Label::Trunk;
-                *pixel = crown.over(behind);
-                *label = match (crown.alpha() >= 96, is_stem) {
+                *pixel = crown.over(behind.image.at(x, y));
+                *label = match (crown.alpha() >= 96, behind.is_stem.at(x, y)) {
                     (true, _) => Label::Crown,
                     (false, true) => Label::Trunk,
                     (false, false) => Label::Background,
@@ -144,34 +135,6 @@ pub(super) fn turned(
             Ok(())
         })?;
     Ok(true)
-}
-
-/// The stem with its soft edges.
-fn stem(tree: &Tree) -> Mask {
-    let edge = (SOFT_EDGE * f64::from(tree.image.width())).ceil().min(60.0) as u8;
-    let mut stem = dilated(&tree.labels.map(|label| *label == Label::Trunk), edge);
-    for (is_stem, label) in stem.pixels_mut().iter_mut().zip(tree.labels.pixels()) {
-        *is_stem &= *label != Label::Crown;
-    }
-    stem
-}
-
-/// What shows of the crown straight above the stem, where that goes on.
-fn joint(tree: &Tree) -> Mask {
-    let (width, height) = (tree.labels.width(), tree.labels.height());
-    let reach = (JOINT * f64::from(width)).ceil() as u32;
-    let mut joint = tree.labels.map(|_| false);
-    for x in 0..width {
-        let mut above = None;
-        for y in (0..height).rev() {
-            match tree.labels.at(x, y) {
-                Label::Trunk => above = Some(y),
-                Label::Crown => joint.set(x, y, above.is_some_and(|stem| stem - y <= reach)),
-                Label::Background => above = None,
-            }
-        }
-    }
-    joint
 }
 
 /// The picture clear where `mask` is.

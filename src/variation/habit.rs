@@ -4,8 +4,8 @@
 //! side is much like the other. Poplars and cypresses keep the stem and are columns. Round crowns have
 //! none of that: what makes them vary would make a spire blunt and crooked.
 
-use crate::raster::opaque_bounds;
-use crate::segment::{Label, crown_baseline};
+use crate::raster::{Mask, opaque_bounds};
+use crate::segment::{Label, Labels, crown_baseline};
 
 use super::Tree;
 
@@ -32,15 +32,22 @@ pub(super) struct Habit {
     slope: f64,
     /// Half the width of the crown, row by row from the top.
     half: Vec<f64>,
+    /// The largest of those.
+    widest: f64,
     straight: f64,
 }
 
 impl Habit {
     /// That of `tree`; `None` when no crown shows.
     pub(super) fn of(tree: &Tree) -> Option<Self> {
-        let mut crown = tree.labels.map(|label| *label == Label::Crown);
-        for (is_crown, pixel) in crown.pixels_mut().iter_mut().zip(tree.image.pixels()) {
-            *is_crown &= pixel.alpha() >= 96;
+        Self::seen(&tree.image.map(|pixel| pixel.alpha() >= 96), &tree.labels)
+    }
+
+    /// That of the tree which is opaque where `seen` says so; `None` when no crown shows.
+    pub(super) fn seen(seen: &Mask, labels: &Labels) -> Option<Self> {
+        let mut crown = seen.clone();
+        for (is_crown, label) in crown.pixels_mut().iter_mut().zip(labels.pixels()) {
+            *is_crown &= *label == Label::Crown;
         }
         let bounds = opaque_bounds(&crown)?;
         let ends = |y: u32| {
@@ -59,13 +66,14 @@ impl Habit {
         let pointed = ramp(aspect, UPRIGHT) * (1.0 - ramp(upper, POINTED));
         let slender = ramp(aspect, SLENDER);
         let top = f64::from(bounds.y);
-        let (apex, foot) = (apex(&rows)?, foot(tree, top, &rows));
+        let (apex, foot) = (apex(&rows)?, foot(labels, top, &rows));
         let below = (foot[1] - top).max(1.0);
         Some(Self {
             top,
             apex,
             slope: (foot[0] - apex) / below,
             half,
+            widest: 0.5 * widest,
             straight: pointed.max(slender),
         })
     }
@@ -94,6 +102,22 @@ impl Habit {
     /// How far down the crown height `y` is: 0 its top, 1 its lower end.
     pub(super) fn share(&self, y: f64) -> f64 {
         ((y - self.top) / self.half.len() as f64).clamp(0.0, 1.0)
+    }
+
+    /// The place on the ellipse about the crown that is seen from its middle in the direction of a place; about the
+    /// middle itself less far out, so that it changes smoothly.
+    pub(super) fn on_outline(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        /// As a share of the way out.
+        const MIDDLE: f64 = 0.3;
+        let radii = [self.widest, 0.5 * self.height()];
+        let middle_y = self.top + radii[1];
+        let middle = [self.axis(middle_y), middle_y];
+        let [u, v] = [0, 1].map(|of| ([x, y][of] - middle[of]) / radii[of].max(1.0));
+        let out = (u * u + v * v).sqrt().max(MIDDLE);
+        [
+            middle[0] + radii[0] * u / out,
+            middle[1] + radii[1] * v / out,
+        ]
     }
 
     /// Of the crown, pixels.
@@ -131,11 +155,11 @@ fn apex(rows: &[Option<[f64; 2]>]) -> Option<f64> {
 }
 
 /// Where the stem stands; without one the middle of the crown's lower half.
-fn foot(tree: &Tree, top: f64, rows: &[Option<[f64; 2]>]) -> [f64; 2] {
-    let bare = crown_baseline(&tree.labels).unwrap_or(0);
-    let trunk = tree.labels.pixels().iter().enumerate();
+fn foot(labels: &Labels, top: f64, rows: &[Option<[f64; 2]>]) -> [f64; 2] {
+    let bare = crown_baseline(labels).unwrap_or(0);
+    let trunk = labels.pixels().iter().enumerate();
     let trunk = trunk.filter(|(_, label)| **label == Label::Trunk);
-    let width = tree.labels.width() as usize;
+    let width = labels.width() as usize;
     let places = trunk.map(|(i, _)| [(i % width) as f64, (i / width) as f64]);
     let places: Vec<[f64; 2]> = places.filter(|place| place[1] > f64::from(bare)).collect();
     if !places.is_empty() {

@@ -94,7 +94,7 @@ pub fn make_individual(
     } else if is_bare(tree, grid.side) {
         let of_limbs = &mut seed.derive("limbs", 0).random();
         let bare = relimbed(tree, &habit, strength, of_limbs, cancel)?;
-        let boughs = Boughs::new(&mut seed.derive("boughs", 0).random());
+        let boughs = Boughs::new(&mut seed.derive("boughs", 0).random()).bare();
         let stance = (&habit, Some(&boughs));
         *tree = swayed(&bare, stance, grid.side, [strength; 2], &mut random, cancel)?;
     } else {

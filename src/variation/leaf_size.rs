@@ -372,6 +372,7 @@ mod tests {
             baseline_y: None,
             density: 1.0,
             fullness: 1.0,
+            straight: 0.0,
             texture: 0.03,
             gaps: Vec::new(),
         };

@@ -245,6 +245,7 @@ mod tests {
             baseline_y: has_trunk.then_some(80.0),
             density: 1.0,
             fullness: 1.0,
+            straight: 0.0,
             texture: 0.01,
             gaps: Vec::new(),
         }

@@ -22,6 +22,7 @@ mod habit;
 mod histogram;
 mod hsl;
 mod individual;
+mod joint;
 mod leaf_size;
 mod library;
 mod library_map;

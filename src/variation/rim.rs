@@ -21,6 +21,10 @@ const OUTSIDE: f32 = 0.06;
 const OUTERMOST: f32 = 0.85;
 const REACHES: [f64; 2] = [0.4, 0.07];
 
+/// How much farther out leaves stand that are twice as light as the mean, or none at all: so that what is in front
+/// ends as leaves do, not along a line.
+const LEAFY: f32 = 0.3;
+
 /// The same from which on gaps in the new foliage are gaps of the tree.
 const DEEP: f32 = 0.997;
 
@@ -46,6 +50,7 @@ pub(super) fn within_outline(
     let inside = smoothed_within(&alpha, &everywhere, BAND * side, cancel)?;
     let reach = Noise::new(random);
     let keeps_outline = habit.is_straight();
+    let mean = mean_light(&grown.image);
     let width = inside.width() as usize;
     let mut result = tree.clone();
     let rows = result.image.pixels_mut().par_chunks_mut(width);
@@ -74,7 +79,8 @@ pub(super) fn within_outline(
                     let at = |wave: f64| reach.at([x, y].map(|along| along as f64 / (wave * side)));
                     let [wide, fine] = REACHES.map(at);
                     let least = OUTERMOST * (0.65 * wide + 0.35 * fine) as f32;
-                    is_leaf && depth > reached.max(least)
+                    let leafy = LEAFY * (foliage[x].luma() / mean - 1.0).clamp(-1.0, 1.0);
+                    is_leaf && depth > OUTSIDE && depth + leafy > reached.max(least)
                 } else {
                     is_leaf || !(INSIDE..DEEP).contains(&depth)
                 };
@@ -85,6 +91,13 @@ pub(super) fn within_outline(
         },
     );
     Ok((result, inside))
+}
+
+/// The mean light of all that is opaque.
+fn mean_light(image: &Image<Straight>) -> f32 {
+    let opaque = || image.pixels().iter().filter(|pixel| pixel.alpha() >= 128);
+    let sum: f64 = opaque().map(|pixel| f64::from(pixel.luma())).sum();
+    (sum / opaque().count().max(1) as f64).max(1.0) as f32
 }
 
 /// The depth from which leaves may stand out in row `y`: about a slender tip none stand far out.

@@ -1,9 +1,9 @@
 //! A crown moved by smooth waves: limbs sway, the outline swells and shrinks.
 //!
 //! An eye knows a tree by its outline and its stem first, so those are moved most. Three fields displace
-//! the picture: *sway*, noise in both directions, long waves and short ones; *swell*, noise along the
-//! normal of the crown's rounded outline, which makes lobes and bays and, however short its waves along
-//! the outline, folds nothing; and the *stem*, which leans and bends a little and lifts its crown or lets
+//! the picture: *sway*, noise in both directions, long waves and short ones; *swell*, along the normal of the
+//! crown's rounded outline by noise that changes along that only, which makes lobes and bays and smears no leaf
+//! on its way out; and the *stem*, which leans and bends a little and lifts its crown or lets
 //! it down. The foot stays; the first two fade in above the crown's lower end. Nothing grows out of
 //! the picture. A slender part is moved as little as it is wide.
 //!
@@ -37,18 +37,24 @@ const SLENDER: f64 = 1.6;
 
 /// Of what stands straight: length and height of the waves in which boughs reach out, in cell sizes and
 /// as a share of their length; both sides together, and each by itself.
-const REACH: [[f64; 2]; 2] = [[3.4, 0.18], [1.3, 0.09]];
-const REACH_OF_SIDE: [[f64; 2]; 2] = [[2.6, 0.13], [0.9, 0.09]];
+const REACH: [[f64; 2]; 2] = [[3.4, 0.18], [1.3, 0.06]];
+const REACH_OF_SIDE: [[f64; 2]; 2] = [[2.6, 0.13], [0.9, 0.05]];
 
 /// How much wider or narrower the whole of it becomes, and its foot against its tip.
-const BROAD: f64 = 0.27;
-const SPREAD: f64 = 0.22;
+const BROAD: f64 = 0.3;
+const SPREAD: f64 = 0.24;
 
-/// Length and height of the waves in which its tiers move up and down, in cell sizes.
-const TIERS: [[f64; 2]; 2] = [[3.6, 1.35], [1.4, 0.3]];
+/// Length and height of the waves in which its tiers move up and down, in cell sizes: where they are steeper, boughs
+/// are smeared.
+const TIERS: [[f64; 2]; 2] = [[3.6, 0.9], [1.4, 0.12]];
 
 /// How much its boughs rise or hang, as a slope.
 const DROOP: f64 = 0.2;
+
+/// How much more the boughs of a tree without leaves rise or hang, and reach out, all alike: neither makes them
+/// thicker or crooked.
+const BARE: f64 = 1.6;
+const BARE_REACH: f64 = 1.25;
 
 /// How far the top may lean and the middle of the tree bend aside, in cell sizes, at full strength.
 const LEAN: f64 = 0.8;
@@ -59,8 +65,10 @@ const BEND: f64 = 0.6;
 const WINDS: [[f64; 2]; 2] = [[1.4, 0.12], [0.6, 0.05]];
 const BARK: f64 = 0.16;
 
-/// How much less the stem of a palm winds, which has no boughs to bend it.
+/// How much less the stem of a palm winds, which has no boughs to bend it, and how much shorter it may be, as a share
+/// of its length, at full strength: its crown comes down whole.
 const PALM_WINDS: f64 = 0.3;
+const PALM_SHORTER: f64 = 0.5;
 
 /// How far the crown's lower end may move up or down, in cell sizes, and as shares of the stem below and
 /// of the crown above it.
@@ -99,10 +107,7 @@ pub(super) fn swayed(
     let moves = Moves {
         sway: [0; 2].map(|_| Waves::new(SWAY, random)),
         swell: Waves::new(SWELL, random),
-        stem: Stem {
-            wind: if boughs.is_some() { 1.0 } else { PALM_WINDS },
-            ..Stem::new(tree, habit, side, of_stem, random)
-        },
+        stem: Stem::new((tree, habit), boughs.is_none(), side, of_stem, random),
         boughs,
         rounded: Rounded::of(image, side, cancel)?,
         habit,
@@ -154,10 +159,13 @@ impl Moves<'_> {
             let inwards = self.rounded.inwards(x, y);
             let straight = habit.straight();
             let room = 1.0 - straight * (1.0 - (habit.half(y) / (SLENDER * side)).min(1.0));
-            let swell = room * (1.0 - STRAIGHT_SWELL * straight) * self.swell.at(place);
+            let on_outline = habit.on_outline([x, y]).map(|along| along / side);
+            let swell = room * (1.0 - STRAIGHT_SWELL * straight) * self.swell.at(on_outline);
             let sway = room * (1.0 - STRAIGHT_SWAY * straight);
+            // Boughs reach farther but grow no thicker.
+            let swells = [swell, swell * (1.0 - straight)];
             let [across, down] =
-                [0, 1].map(|axis| sway * self.sway[axis].at(place) + swell * inwards[axis]);
+                [0, 1].map(|axis| sway * self.sway[axis].at(place) + swells[axis] * inwards[axis]);
             let [outwards, level] = boughs.at(habit, x, y, *side);
             dx += free * (across + straight * outwards);
             dy += free * (down + straight * level);
@@ -204,6 +212,16 @@ impl Boughs {
         }
     }
 
+    /// The same of a tree without leaves.
+    pub(super) fn bare(self) -> Self {
+        Self {
+            broad: BARE_REACH * self.broad,
+            spread: BARE_REACH * self.spread,
+            droop: BARE * self.droop,
+            ..self
+        }
+    }
+
     /// How far aside and below place (x, y) comes from, in cell sizes.
     fn at(&self, habit: &Habit, x: f64, y: f64, side: f64) -> [f64; 2] {
         let out = (x - habit.axis(y)) / side;
@@ -232,6 +250,8 @@ struct Stem {
     lean: f64,
     bend: f64,
     lift: f64,
+    /// How far the whole crown comes down, pixels.
+    sinks: f64,
     winds: Waves,
     /// How much of that.
     wind: f64,
@@ -241,7 +261,13 @@ struct Stem {
 }
 
 impl Stem {
-    fn new(tree: &Tree, habit: &Habit, side: f64, strength: f64, random: &mut Random) -> Self {
+    fn new(
+        (tree, habit): (&Tree, &Habit),
+        is_palm: bool,
+        side: f64,
+        strength: f64,
+        random: &mut Random,
+    ) -> Self {
         let aside = side * (1.0 - STRAIGHT_LEAN * habit.straight());
         let bounds = opaque_bounds(&tree.image.map(|pixel| pixel.alpha() >= 96));
         let (top, foot) = bounds.map_or((0.0, 1.0), |bounds| {
@@ -252,6 +278,8 @@ impl Stem {
         let low = baseline.map_or(f64::from(tree.image.height()), f64::from);
         let [lean, bend, lift, bark] = [0; 4].map(|_| random.between(-1.0, 1.0));
         let most = (MOST_OF_STEM * (foot - low)).min(MOST_OF_CROWN * (low - top));
+        let winds = Waves::new(WINDS, random);
+        let sinks = PALM_SHORTER * (foot - low).max(0.0) * strength * random.unit();
         Self {
             top,
             low,
@@ -259,8 +287,9 @@ impl Stem {
             lean: LEAN * aside * strength * lean,
             bend: BEND * aside * strength * bend,
             lift: (LIFT * side).min(most.max(0.0)) * strength * lift,
-            winds: Waves::new(WINDS, random),
-            wind: 1.0,
+            sinks: if is_palm { sinks } else { 0.0 },
+            winds,
+            wind: if is_palm { PALM_WINDS } else { 1.0 },
             bark: BARK * (foot - low).max(0.0) * strength * bark,
             side,
             strength,
@@ -279,11 +308,12 @@ impl Stem {
         let height = ((self.foot - y) / (self.foot - self.top).max(1.0)).clamp(0.0, 1.0);
         let aside =
             self.lean * height * height + self.bend * libm::sin(std::f64::consts::PI * height);
-        if y < self.low {
-            let share = (y - self.top) / (self.low - self.top).max(1.0);
-            return [aside, self.lift * share.clamp(0.0, 1.0)];
+        let low = self.low + self.sinks;
+        if y < low {
+            let share = (y - self.top) / (low - self.top).max(1.0);
+            return [aside, self.lift * share.clamp(0.0, 1.0) - self.sinks];
         }
-        let share = (self.foot - y) / (self.foot - self.low).max(1.0);
+        let share = (self.foot - y) / (self.foot - low).max(1.0);
         let share = share.clamp(0.0, 1.0);
         // Foot and crown keep their places.
         let between = libm::sin(std::f64::consts::PI * share);
@@ -293,7 +323,7 @@ impl Stem {
         let winds = self.wind * winds;
         [
             aside + winds * between,
-            self.lift * share + self.bark * between * between,
+            (self.lift - self.sinks) * share + self.bark * between * between,
         ]
     }
 }

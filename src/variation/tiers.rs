@@ -14,7 +14,7 @@ use super::cells::{Rags, front, lifted, share_changed};
 use super::habit::Habit;
 use super::rim::clear_new_loose;
 use crate::base::{Cancel, Cancelled, Random};
-use crate::raster::Straight;
+use crate::raster::{Image, Straight, smoothed_within};
 use crate::segment::Label;
 use rayon::prelude::*;
 
@@ -44,6 +44,16 @@ const OVERLAP: f32 = 0.3;
 const CORE: f64 = 0.22;
 const SOFT_CORE: f64 = 0.6;
 
+/// Share of the rows in which gaps between boughs reach deeper than any that is let in where there was none, and
+/// from how much cover on, of 1, there was none.
+const DEEPER: f64 = 0.12;
+const COVERED: f32 = 0.55;
+
+/// Standard deviation over which cover is told, in strips, and how far ragged the border of what stays filled is, in
+/// cell sizes times the raggedness there.
+const COVER: f64 = 0.22;
+const RAGGED: f64 = 1.0;
+
 /// How much lower than the crown did new boughs may hang here and there, in cell sizes times the raggedness there.
 const HANGING: f64 = 2.5;
 
@@ -72,7 +82,7 @@ pub(super) fn retiered(
     if !habit.is_straight() {
         return Ok(tree.clone());
     }
-    let crown = Crown::of(tree, habit, STRIP * side);
+    let crown = Crown::of(tree, habit, STRIP * side, cancel)?;
     let strips = [-1.0, 1.0].map(|of| crown.strips(of, side, strength, random));
     let rags = Rags::new(side);
     let width = tree.image.width() as usize;
@@ -109,8 +119,12 @@ struct Crown<'a> {
     slopes: Vec<f64>,
     /// How far boughs reach out from the axis that leave it in each row, on the left and on the right, pixels.
     reaches: [Vec<f64>; 2],
-    /// The lowest leaf so far from the axis on either side, pixels.
+    /// The lowest leaf about so far from the axis on either side, pixels.
     lowest: Vec<f64>,
+    /// How much leaves cover about each pixel, 0 to 1.
+    cover: Image<f32>,
+    /// Share of the crown's half width within which no new gap is let in.
+    filled: f64,
 }
 
 /// What a strip shows.
@@ -131,7 +145,14 @@ struct Strip {
 }
 
 impl<'a> Crown<'a> {
-    fn of(tree: &'a Tree, habit: &'a Habit, strip: f64) -> Self {
+    fn of(
+        tree: &'a Tree,
+        habit: &'a Habit,
+        strip: f64,
+        cancel: &Cancel,
+    ) -> Result<Self, Cancelled> {
+        let cover = tree.image.map(|pixel| f32::from(pixel.alpha()) / 255.0);
+        let everywhere = tree.image.map(|_| true);
         let mut crown = Self {
             tree,
             habit,
@@ -139,6 +160,8 @@ impl<'a> Crown<'a> {
             slopes: slopes(tree, habit, strip),
             reaches: [0; 2].map(|_| vec![0.0; tree.image.height() as usize]),
             lowest: vec![0.0; tree.image.width() as usize + 1],
+            cover: smoothed_within(&cover, &everywhere, COVER * strip, cancel)?,
+            filled: 0.0,
         };
         let width = tree.image.width() as usize;
         let leaves = tree.image.pixels().iter().zip(tree.labels.pixels());
@@ -154,14 +177,44 @@ impl<'a> Crown<'a> {
             let lowest = &mut crown.lowest[(out.abs() as usize).min(width)];
             *lowest = lowest.max(y);
         }
-        crown
+        let about = (0.5 * strip) as usize;
+        crown.lowest = (0..=width)
+            .map(|out| out.saturating_sub(about)..(out + about).min(width) + 1)
+            .map(|near| crown.lowest[near].iter().copied().fold(0.0, f64::max))
+            .collect();
+        crown.filled = crown.gaps_end();
+        Ok(crown)
+    }
+
+    /// How near to the stem the crown's own gaps reach but for the deepest, as a share of its half width.
+    fn gaps_end(&self) -> f64 {
+        let top = self.habit.top();
+        let rows = 0..self.habit.height() as u32;
+        let ends = rows.flat_map(|row| {
+            let y = top + f64::from(row);
+            let half = self.habit.half(y).max(1.0);
+            [-1.0, 1.0].map(|side| {
+                let is_gap = |out: &u32| {
+                    let x = self.habit.axis(y) + side * f64::from(*out);
+                    !self.is_covered([(x + 0.5).floor() as i64, y as i64])
+                };
+                let first = (CORE * half) as u32..half as u32;
+                first
+                    .into_iter()
+                    .find(is_gap)
+                    .map_or(1.0, |out| f64::from(out) / half)
+            })
+        });
+        let mut ends: Vec<f64> = ends.collect();
+        ends.sort_by(f64::total_cmp);
+        ends.get((DEEPER * ends.len() as f64) as usize)
+            .copied()
+            .unwrap_or(1.0)
     }
 
     /// The lowest leaf about so far from the axis.
     fn lowest(&self, out: f64) -> f64 {
-        let near = |at: f64| (at.max(0.0) as usize).min(self.lowest.len() - 1);
-        let near = near(out - 0.5 * self.strip)..=near(out + 0.5 * self.strip);
-        self.lowest[near].iter().copied().fold(0.0, f64::max)
+        self.lowest[(out.max(0.0) as usize).min(self.lowest.len() - 1)]
     }
 
     fn row(&self, y: f64) -> usize {
@@ -277,7 +330,8 @@ impl<'a> Crown<'a> {
             let x = self.habit.axis(y) + side * out;
             let near = |value: f64| (value + 0.5).floor() as i64;
             let here = self.tree.image.get(near(x), near(y));
-            let (Some(here), Some((there, _))) = (here, self.seen(strip, out, y)) else {
+            let source = self.source(strip, out, y);
+            let (Some(here), Some((there, _))) = (here, self.seen(source)) else {
                 continue;
             };
             if here.alpha().min(there.alpha()) > 128 {
@@ -289,15 +343,24 @@ impl<'a> Crown<'a> {
         0.7 * (own - other) / count.max(1.0)
     }
 
-    /// What `strip` shows at height `y` so far from the axis; nothing where it shows the stem.
-    fn seen(&self, strip: &Strip, out: f64, y: f64) -> Option<(Straight, Label)> {
+    /// The pixel that `strip` shows at height `y` so far from the axis.
+    fn source(&self, strip: &Strip, out: f64, y: f64) -> [i64; 2] {
         let from_out = out * strip.longer;
         let v = strip.from + (y - strip.slope * out - strip.to) + strip.from_slope * from_out;
         let u = self.habit.axis(v) + strip.from_side * from_out;
-        let near = |value: f64| (value + 0.5).floor() as i64;
-        let label = self.tree.labels.get(near(u), near(v)).unwrap_or_default();
-        let pixel = self.tree.image.get(near(u), near(v)).unwrap_or_default();
+        [u, v].map(|along| (along + 0.5).floor() as i64)
+    }
+
+    /// What is seen there; nothing where that is the stem.
+    fn seen(&self, [u, v]: [i64; 2]) -> Option<(Straight, Label)> {
+        let label = self.tree.labels.get(u, v).unwrap_or_default();
+        let pixel = self.tree.image.get(u, v).unwrap_or_default();
         (label != Label::Trunk).then_some((pixel, label))
+    }
+
+    /// Whether leaves cover what is about there.
+    fn is_covered(&self, [u, v]: [i64; 2]) -> bool {
+        self.cover.get(u, v).is_some_and(|cover| cover >= COVERED)
     }
 
     /// What pixel (x, y) shows in a crown of these strips; `None` where it stays.
@@ -317,15 +380,22 @@ impl<'a> Crown<'a> {
         let from_axis = self.leaves_axis(out, row);
         let own = self.tree.image.at(x as u32, y as u32);
         let core = CORE * self.habit.half(row);
+        let filled =
+            self.filled * self.habit.half(row) + RAGGED * cell * f64::from(rags.at(1, x, y));
+        let stays_filled = out < filled && self.is_covered([x as i64, y as i64]);
         let at_home = OVERLAP * front(own, 0.0) - ((out - core) / (SOFT_CORE * cell)) as f32;
         let mut best = (at_home, None);
         let first = strips.partition_point(|strip| strip.to < from_axis);
         let near = first.saturating_sub(3)..(first + 3).min(strips.len());
         for strip in &strips[near] {
             let apart = (row - strip.slope * out - strip.to).abs() / self.strip;
-            let Some((pixel, label)) = self.seen(strip, out, row) else {
+            let source = self.source(strip, out, row);
+            let Some((pixel, label)) = self.seen(source) else {
                 continue;
             };
+            if stays_filled && !self.is_covered(source) {
+                continue;
+            }
             // Each strip sees another part of the noise.
             let number = (strip.to * 7.0) as usize;
             let claim = OVERLAP * front(pixel, strip.lift) - apart as f32 + rags.at(number, x, y);

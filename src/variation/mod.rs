@@ -41,6 +41,7 @@ mod repetition;
 mod rim;
 mod sampling;
 mod season;
+mod spire;
 mod stem;
 mod sway;
 mod synthesis;

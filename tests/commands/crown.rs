@@ -1,7 +1,8 @@
 //! `boscage crown` as users run it: the folder it writes, what it refuses, and making a crown again.
 
+use crate::exported::{boscage, write_photo_and_mask};
 use boscage::export::{CrownFolderError, crown_file_names, crown_from_files};
-use boscage::raster::{Compression, Image, Straight, encode_grey_png, encode_png};
+use boscage::raster::{Compression, Image, encode_grey_png};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -10,37 +11,7 @@ use std::process::{Command, Output};
 /// A round crown of 120 pixels of noise in 12-pixel clumps, on a blue sky.
 fn write_inputs(folder: &Path) {
     let inside = |x: u32, y: u32| (f64::from(x) - 64.0).hypot(f64::from(y) - 60.0) < 56.0;
-    let photo = (0..128 * 128u32).map(|i| {
-        let (x, y) = (i % 128, i / 128);
-        let clump = (x / 12 * 71 + y / 12 * 37) % 60;
-        let leaf = (x * 7919 + y * 104_729 + x * y * 31) % 50;
-        let green = (60 + clump + leaf) as u8;
-        match inside(x, y) {
-            true => Straight([green / 2, green, green / 4, 255]),
-            false => Straight([120, 170, 250, 255]),
-        }
-    });
-    let photo = Image::from_pixels(128, 128, photo.collect());
-    let mask = (0..128 * 128).map(|i| 255 * u8::from(inside(i % 128, i / 128)));
-    let mask = Image::from_pixels(128, 128, mask.collect());
-    std::fs::write(
-        folder.join("photo.png"),
-        encode_png(&photo, Compression::Fast),
-    )
-    .unwrap();
-    std::fs::write(
-        folder.join("mask.png"),
-        encode_grey_png(&mask, Compression::Fast),
-    )
-    .unwrap();
-}
-
-fn boscage(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_boscage"))
-        .current_dir(folder)
-        .args(arguments)
-        .output()
-        .unwrap()
+    write_photo_and_mask(folder, inside);
 }
 
 fn made(folder: &Path, out: &str, more: &[&str]) -> Output {

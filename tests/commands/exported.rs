@@ -201,10 +201,14 @@ pub(crate) fn crowns() -> tempfile::TempDir {
 
 /// `photo.png` and `mask.png`: an oval of clumps on a blue sky, `tall` times as high as wide.
 pub(crate) fn write_crown_inputs(folder: &Path, tall: f64) {
-    let inside = |x: u32, y: u32| {
+    write_photo_and_mask(folder, |x, y| {
         let (dx, dy) = (f64::from(x) - 64.0, f64::from(y) - 64.0);
         (dx * tall).hypot(dy) < 58.0
-    };
+    });
+}
+
+/// `photo.png` and `mask.png` of 128 pixels: clumps where `inside` says so, on a blue sky.
+pub(crate) fn write_photo_and_mask(folder: &Path, inside: impl Fn(u32, u32) -> bool) {
     let photo = (0..128 * 128u32).map(|i| {
         let (x, y) = (i % 128, i / 128);
         let clump = (x / 12 * 71 + y / 12 * 37) % 60;

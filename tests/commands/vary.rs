@@ -1,10 +1,11 @@
 //! `boscage vary` as a user runs it: the real binary on small libraries.
 
+use crate::exported::boscage;
 use boscage::raster::{Compression, Image, Straight, encode_png};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 /// A tree of `width` at 96 pixels of height: an oval crown of `green` on a brown trunk.
 fn tree(width: u32, green: u8) -> Vec<u8> {
@@ -37,15 +38,6 @@ fn library(folder: &Path) -> std::path::PathBuf {
         fs::write(library.join(format!("{index}.png")), tree(*width, *green)).unwrap();
     }
     library
-}
-
-fn boscage(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_boscage"))
-        .args(arguments)
-        .current_dir(folder)
-        .env("BOSCAGE_CACHE", folder.join("cache"))
-        .output()
-        .unwrap()
 }
 
 fn vary(folder: &Path, arguments: &[&str]) -> Output {

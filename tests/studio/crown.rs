@@ -1,93 +1,22 @@
 //! A crown in the real window without a screen: k is pulled out of its outline, the canvas remembers
 //! where it looked, and crowns are exported as by the command line, byte for byte.
 
+use crate::crowned::{SIZE, settle, with_crown};
 use crate::window;
 use boscage::app::{
-    Action, BatchSettings, Command, ExportChoice, Gesture, Overlay, Shell, Tool, VaryAction, Which,
+    Action, BatchSettings, Command, ExportChoice, Overlay, Tool, VaryAction, Which,
 };
-use boscage::base::Seed;
 use boscage::branches::leaf_name::LeafName;
-use boscage::document::{CrownSettings, Edit, PhotoId, Tangent};
+use boscage::document::{PhotoId, Tangent};
 use boscage::export::Preset;
-use boscage::paint::{CROWN, TiledMask};
-use boscage::raster::{Compression, Image, Straight, encode_png};
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, vec2};
-use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
-use std::sync::Arc;
 use window::{Window, boscage, contents, wait};
-
-/// Width and height of the photograph, and the disc that is its crown.
-const SIZE: (u32, u32) = (160, 200);
-const CENTER: (f64, f64) = (80.0, 80.0);
-const RADIUS: f64 = 60.0;
-
-fn is_crown(i: u32) -> bool {
-    let (x, y) = (f64::from(i % SIZE.0), f64::from(i / SIZE.0));
-    (x - CENTER.0).hypot(y - CENTER.1) < RADIUS
-}
-
-/// Speckled green before blue.
-fn photo() -> Image<Straight> {
-    let mut random = Seed(5).random();
-    let pixels = (0..SIZE.0 * SIZE.1).map(|i| {
-        let light = random.below(110) as u8;
-        match is_crown(i) {
-            true => Straight([20 + light / 2, 50 + light, 15 + light / 4, 255]),
-            false => Straight([150, 180, 230, 255]),
-        }
-    });
-    Image::from_pixels(SIZE.0, SIZE.1, pixels.collect())
-}
-
-/// A window with one photograph, its mask, and a small crown.
-fn with_crown() -> (Window, tempfile::TempDir) {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("old oak.png");
-    std::fs::write(&file, encode_png(&photo(), Compression::Fast)).unwrap();
-    let recovery = folder.path().join("recovery");
-    let mut window = Harness::builder()
-        .with_size([1440.0, 900.0])
-        .with_max_steps(64)
-        .build_eframe(move |creation| Shell::new(creation, recovery, vec![file]));
-    wait(&mut window, |shell| !shell.studio().is_empty());
-    let settings = CrownSettings {
-        size: 64,
-        ..CrownSettings::default()
-    };
-    edit(&mut window, Edit::SetCrown(PhotoId(0), Box::new(settings)));
-    let labels = (0..SIZE.0 * SIZE.1).map(|i| if is_crown(i) { CROWN } else { 0 });
-    let mask = TiledMask::from_image(&Image::from_pixels(SIZE.0, SIZE.1, labels.collect()));
-    edit(&mut window, Edit::SetMask(PhotoId(0), Arc::new(mask)));
-    settle(&mut window);
-    (window, folder)
-}
 
 fn act(window: &mut Window, action: Action) {
     window.state_mut().studio_mut().act(action);
     window.step();
-    assert_eq!(window.state().studio().document().complaint(), None);
-}
-
-fn edit(window: &mut Window, edit: Edit) {
-    let (label, gesture) = ("Test", Gesture::Whole);
-    act(
-        window,
-        Action::Edit {
-            label,
-            edit,
-            gesture,
-        },
-    );
-}
-
-/// Waits until the crown is all that it should be.
-fn settle(window: &mut Window) {
-    wait(window, |shell| {
-        let studio = shell.studio();
-        studio.crown_is_final() && studio.shown_crown().is_some()
-    });
     assert_eq!(window.state().studio().document().complaint(), None);
 }
 
@@ -117,7 +46,7 @@ fn k(window: &Window) -> Tangent {
 
 #[test]
 fn k_is_pulled_out_of_the_outline_and_a_drag_is_one_step() {
-    let (mut window, _folder) = with_crown();
+    let (mut window, _folder) = with_crown(64);
     act(&mut window, Action::Do(Command::Take(Tool::Depth)));
     act(&mut window, Action::Do(Command::Overlay(Overlay::Heat)));
     window.step();
@@ -173,7 +102,7 @@ fn k_is_pulled_out_of_the_outline_and_a_drag_is_one_step() {
 
 #[test]
 fn the_canvas_looks_where_it_looked_when_the_project_was_saved() {
-    let (mut window, folder) = with_crown();
+    let (mut window, folder) = with_crown(64);
     let view = |window: &Window| window.state().studio().document().view().canvas;
     act(&mut window, Action::Do(Command::ZoomIn));
     act(&mut window, Action::Do(Command::ZoomIn));
@@ -204,7 +133,7 @@ fn the_canvas_looks_where_it_looked_when_the_project_was_saved() {
 
 #[test]
 fn leaves_go_by_the_photograph_until_others_are_chosen() {
-    let (mut window, _folder) = with_crown();
+    let (mut window, _folder) = with_crown(64);
     let chosen = |window: &Window| {
         let content = window.state().studio().document().state().content();
         content.crowns[&PhotoId(0)].leaf
@@ -228,7 +157,7 @@ fn leaves_go_by_the_photograph_until_others_are_chosen() {
 
 #[test]
 fn crowns_are_exported_as_by_the_command_line() {
-    let (mut window, folder) = with_crown();
+    let (mut window, folder) = with_crown(64);
     let (ours, theirs) = (folder.path().join("ours"), folder.path().join("theirs"));
     let settings = BatchSettings {
         which: Which::ShownCrown,
@@ -279,7 +208,7 @@ fn crowns_are_exported_as_by_the_command_line() {
 
 #[test]
 fn the_export_dialog_offers_the_crown_that_is_shown() {
-    let (mut window, _folder) = with_crown();
+    let (mut window, _folder) = with_crown(64);
     act(&mut window, Action::Do(Command::ExportTrees));
     for _ in 0..3 {
         window.step();

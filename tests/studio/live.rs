@@ -1,92 +1,15 @@
 //! The live crown in the real window: edits change what is shown, in order, and are undone exactly.
 
-use boscage::app::{Action, Command, Drawn, Gesture, LiveAction, Shell};
+use crate::crowned::{crown_mask, edit, photo, settle, with_crown};
+use crate::window::{Window, wait};
+use boscage::app::{Action, Command, Drawn, LiveAction, Shell};
 use boscage::base::{Cancel, Progress, Seed};
 use boscage::document::{CrownSettings, Edit, PhotoId, Tangent};
-use boscage::paint::{CROWN, TiledMask};
 use boscage::pipeline;
-use boscage::raster::{Compression, Image, Mask, Straight, encode_png};
 use boscage::scene::Crown;
 use egui::{Event, Modifiers, PointerButton, Pos2, pos2};
-use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use std::sync::Arc;
-use std::time::{Duration, Instant};
-
-type Window = Harness<'static, Shell>;
-
-const SIZE: (u32, u32) = (160, 200);
-
-fn crown_mask() -> Mask {
-    let inside = |i: u32| {
-        let (x, y) = (i % SIZE.0, i / SIZE.0);
-        (f64::from(x) - 80.0).hypot(f64::from(y) - 80.0) < 60.0
-    };
-    Image::from_pixels(SIZE.0, SIZE.1, (0..SIZE.0 * SIZE.1).map(inside).collect())
-}
-
-/// Speckled green before blue.
-fn photo() -> Image<Straight> {
-    let mask = crown_mask();
-    let mut random = Seed(5).random();
-    let pixels = mask.pixels().iter().map(|&inside| {
-        let light = random.below(110) as u8;
-        match inside {
-            true => Straight([20 + light / 2, 50 + light, 15 + light / 4, 255]),
-            false => Straight([150, 180, 230, 255]),
-        }
-    });
-    Image::from_pixels(SIZE.0, SIZE.1, pixels.collect())
-}
-
-fn wait(window: &mut Window, is_so: impl Fn(&Shell) -> bool) {
-    let until = Instant::now() + Duration::from_secs(120);
-    while !is_so(window.state()) {
-        assert!(Instant::now() < until, "what was waited for did not happen");
-        std::thread::sleep(Duration::from_millis(10));
-        window.step();
-    }
-    window.step();
-}
-
-/// A window with one photograph, its mask and, at `size`, its crown.
-fn with_crown(size: u32) -> (Window, tempfile::TempDir) {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("oak.png");
-    std::fs::write(&file, encode_png(&photo(), Compression::Fast)).unwrap();
-    let recovery = folder.path().join("recovery");
-    let mut window = Harness::builder()
-        .with_size([1440.0, 900.0])
-        .with_max_steps(64)
-        .build_eframe(move |creation| Shell::new(creation, recovery, vec![file]));
-    wait(&mut window, |shell| !shell.studio().is_empty());
-    let settings = CrownSettings {
-        size,
-        ..CrownSettings::default()
-    };
-    edit(&mut window, Edit::SetCrown(PhotoId(0), Box::new(settings)));
-    let mask = TiledMask::from_mask(&crown_mask(), CROWN);
-    edit(&mut window, Edit::SetMask(PhotoId(0), Arc::new(mask)));
-    settle(&mut window);
-    (window, folder)
-}
-
-fn edit(window: &mut Window, edit: Edit) {
-    let action = Action::Edit {
-        label: "Test",
-        edit,
-        gesture: Gesture::Whole,
-    };
-    window.state_mut().studio_mut().act(action);
-}
-
-/// Waits until the crown is all that it should be.
-fn settle(window: &mut Window) {
-    wait(window, |shell| {
-        let studio = shell.studio();
-        studio.crown_is_final() && studio.shown_crown().is_some()
-    });
-}
 
 fn crown(window: &Window) -> Arc<Crown> {
     Arc::clone(window.state().studio().shown_crown().unwrap().0)

@@ -7,6 +7,7 @@ mod canvas;
 mod card;
 mod cpu;
 mod crown;
+mod crowned;
 mod gestures;
 mod library;
 mod live;

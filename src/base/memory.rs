@@ -17,11 +17,12 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::io::Write as _;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// How long memory may lie about before it is returned again.
-const BETWEEN_RETURNS: Duration = Duration::from_secs(20);
+/// How long after memory was returned it is again, at the earliest.
+const BETWEEN_RETURNS: Duration = Duration::from_secs(5);
 
 thread_local! {
     static MAY_FAIL: Cell<bool> = const { Cell::new(false) };
@@ -76,27 +77,42 @@ fn had(memory: *mut u8, bytes: usize) -> *mut u8 {
     memory
 }
 
-/// Ends the process. Needs no memory itself: the line is written on the stack.
+/// Ends the process. Needs no memory itself: the line is written on the stack. Where several threads find none at
+/// once one of them says so.
 #[cold]
 fn end(bytes: usize) -> ! {
+    static IS_TOLD: AtomicBool = AtomicBool::new(false);
     let mut line = [0; 96];
     let mut rest = &mut line[..];
     let _ = writeln!(rest, "error: memory: {bytes} more bytes cannot be had");
     let left = rest.len();
-    let _ = std::io::stderr().write_all(&line[..line.len() - left]);
+    if !IS_TOLD.swap(true, Ordering::Relaxed) {
+        let _ = std::io::stderr().write_all(&line[..line.len() - left]);
+    }
     std::process::exit(1)
 }
 
-/// Gives memory that is free within the process back to the system, if that was not done a short while ago.
-/// Goes through all that is free, so not for the thread that draws. Does nothing where there is no glibc.
+/// When memory was returned last, and whether a thread waits to do it again.
+static RETURNS: Mutex<(Option<Instant>, bool)> = Mutex::new((None, false));
+
+/// Gives memory that is free within the process back to the system. Where that was done a short while ago it is
+/// done a short while from now, by this thread, which sleeps, or by one that does so already. Goes through all that
+/// is free, so not for the thread that draws. Does nothing where there is no glibc.
 pub fn return_free_memory() {
-    static LAST: Mutex<Option<Instant>> = Mutex::new(None);
-    let mut last = LAST.lock().unwrap_or_else(PoisonError::into_inner);
-    if last.is_none_or(|last| last.elapsed() >= BETWEEN_RETURNS) {
-        *last = Some(Instant::now());
-        drop(last);
-        trim();
-    }
+    let returns = || RETURNS.lock().unwrap_or_else(PoisonError::into_inner);
+    let wait = {
+        let (last, is_awaited) = &mut *returns();
+        if *is_awaited {
+            return;
+        }
+        *is_awaited = true;
+        last.map_or(Duration::ZERO, |last| {
+            BETWEEN_RETURNS.saturating_sub(last.elapsed())
+        })
+    };
+    std::thread::sleep(wait);
+    *returns() = (Some(Instant::now()), false);
+    trim();
 }
 
 #[cfg(all(target_os = "linux", target_env = "gnu"))]

@@ -7,7 +7,7 @@
 
 use crate::window;
 use boscage::app::{Action, Answer, Command, MaskCommand, Shell, TABLE};
-use boscage::base::{Random, Seed};
+use boscage::base::{Random, Seed, return_free_memory};
 use boscage::document::{CrownSettings, Edit, Tangent};
 use egui::{Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, PointerButton, Pos2};
 use egui::{TouchPhase, pos2, vec2};
@@ -33,6 +33,9 @@ const LEAVING: [Command; 10] = [
 /// How long is waited for a window that may never rest: a click may have started the turntable, or a
 /// thousand trees.
 const PATIENCE: Duration = Duration::from_secs(5);
+
+/// The same where what it does must end: memory is measured then.
+const MOST_OF_A_JOB: Duration = Duration::from_secs(120);
 
 /// Of so many projects one has its crown made with every change: most of the time would go there.
 const CROWNS_IN: u64 = 4;
@@ -75,7 +78,8 @@ fn random_gestures_for_hours_harm_nothing_and_need_no_more_memory() {
         }
         hand.look_closely(&mut window);
         hand.begin_again(&mut window);
-        rests(&mut window);
+        rests_within(&mut window, MOST_OF_A_JOB);
+        return_free_memory();
         memory.push(resident_bytes());
         println!(
             "after {} gestures, {} s: {:.0} MB, textures {:.0} MB",
@@ -343,7 +347,11 @@ impl Hand {
 
 /// Draws frames until no job is left, if that comes to pass.
 fn rests(window: &mut Window) -> bool {
-    let until = Instant::now() + PATIENCE;
+    rests_within(window, PATIENCE)
+}
+
+fn rests_within(window: &mut Window, patience: Duration) -> bool {
+    let until = Instant::now() + patience;
     while window.state().studio().is_busy() && Instant::now() < until {
         std::thread::sleep(Duration::from_millis(10));
         window.step();

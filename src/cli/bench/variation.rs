@@ -8,8 +8,9 @@ use crate::geometry::Point;
 use crate::raster::{Compression, Image, Straight, encode_png};
 use crate::segment::{Classical, SegmentError};
 use crate::variation::{
-    Exemplar, ExemplarError, ExemplarSettings, Histogram, Layout, Source, Transfer, WarpPrecision,
-    synthesized,
+    Exemplar, ExemplarError, ExemplarSettings, Histogram, IndividualSettings, Layout, Season,
+    SeasonSettings, Source, Transfer, Tree, Variation, WarpPrecision, make_individual,
+    put_in_season, synthesized,
 };
 use std::hint::black_box;
 
@@ -85,7 +86,9 @@ fn synthesis_rows(pair: &[Exemplar; 2], size: u32, cancel: &Cancel) -> Result<Ve
         let small = measured("synthesis 512, two exemplars", cancel, || {
             synthesis(&layout, [0.5, 0.5]).map(drop)
         })?;
-        return Ok(vec![small.target(12.0)]);
+        let mut rows = vec![small.target(12.0)];
+        rows.extend(season_rows(synthesis(&layout, [0.5, 0.5])?, cancel)?);
+        return Ok(rows);
     }
     let mut rows = Vec::new();
     let large = measured("synthesis 1024, two exemplars", cancel, || {
@@ -111,6 +114,33 @@ fn synthesis_rows(pair: &[Exemplar; 2], size: u32, cancel: &Cancel) -> Result<Ve
     rows.push(measured("PNG encoding, fast", cancel, || {
         black_box(encode_png(&tree, Compression::Fast));
         Ok::<(), Failure>(())
+    })?);
+    Ok(rows)
+}
+
+/// What comes on top of a preview of the mix in each season, and of another individual of it.
+fn season_rows(variation: Variation, cancel: &Cancel) -> Result<Vec<Row>, Failure> {
+    let tree = Tree {
+        image: variation.image.straight(),
+        labels: variation.labels,
+    };
+    let put = |name: &'static str, season: Season| {
+        measured(name, cancel, || {
+            let settings = SeasonSettings::of(season);
+            put_in_season(&mut tree.clone(), &settings, false, None, Seed(0), cancel)
+        })
+    };
+    let mut rows = vec![
+        put("spring 512", Season::Spring)?,
+        put("autumn 512", Season::Autumn)?,
+        put("winter 512", Season::Winter)?,
+    ];
+    let settings = IndividualSettings {
+        strength: 0.7,
+        mirrored: false,
+    };
+    rows.push(measured("another individual, 512", cancel, || {
+        make_individual(&mut tree.clone(), &settings, false, Seed(0), cancel)
     })?);
     Ok(rows)
 }

@@ -35,9 +35,9 @@ pub(super) struct Flags {
     /// A picture to make variations of
     #[arg(long, value_name = "IMAGE")]
     pub(super) target: Option<PathBuf>,
-    /// How far variations go from the target in outline, foliage and hue: 0 copies, 1 as far as looks
-    /// related
-    #[arg(long, default_value_t = 0.7, value_name = "0..1", requires = "target")]
+    /// How far trees go from the target, or from the mix of their exemplars, in outline, foliage and
+    /// hue: 0 leaves them that, 1 goes as far as looks related
+    #[arg(long, default_value_t = 0.7, value_name = "0..1")]
     pub(super) strength: f64,
     /// How many trees
     #[arg(long, default_value_t = 10, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]

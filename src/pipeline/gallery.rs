@@ -8,7 +8,7 @@ use crate::base::Seed;
 use crate::document::{self, ExemplarWeight, Favourite, Generation, PhotoId, VariationSettings};
 use crate::variation::{
     Brood, ChoiceError, ChoiceSettings, Chosen, Coloring, Decided, Finish, Genome,
-    IndividualSettings, Library, Part, SeasonChoice, Shape, chosen, parts_near,
+    IndividualSettings, Library, Part, Reshaping, SeasonChoice, Shape, chosen, parts_near,
 };
 use std::sync::Arc;
 
@@ -149,12 +149,22 @@ impl Pool {
         for part in &mut chosen.parts {
             part.exemplar = self.members[part.exemplar];
         }
-        let strength = target.map_or(0.0, |_| wishes.choice.strength);
+        let strength = wishes.choice.strength;
+        let individual = IndividualSettings::drawn(strength, seed);
+        // What is mixed has foliage of its own already.
+        let (individual, reshaping) = match target {
+            Some(_) => (individual, None),
+            None => (
+                individual.and_then(IndividualSettings::mirror_alone),
+                Reshaping::drawn(strength, seed),
+            ),
+        };
         let genome = Genome {
             parts: chosen.parts.clone(),
             like: wishes.like,
             finish: Finish {
-                individual: IndividualSettings::drawn(strength, seed),
+                individual,
+                reshaping,
                 season: wishes.season,
                 ..Finish::default()
             },

@@ -7,6 +7,7 @@
 use super::Tree;
 use super::habit::Habit;
 use super::noise::Noise;
+use super::rounded::Rounded;
 use crate::base::{Cancel, Cancelled, Random, Seed};
 use crate::raster::{Image, Rect, Straight};
 use crate::segment::{Label, Labels};
@@ -22,6 +23,16 @@ const TRIES: usize = 140;
 /// same one.
 const TRIES_STRAIGHT: usize = 30;
 
+/// Places that are looked at for them: a cell on the outline takes only such as lie on the outline, that runs
+/// there as it does about the cell.
+const LOOKS: usize = 1500;
+
+/// Standard deviation of the Gaussian that rounds the outline for that, in cell sizes; how much the depths that it
+/// tells may differ, and what they rise by.
+const ROUNDED: f64 = 0.5;
+const SAME_DEPTH: f64 = 0.1;
+const SAME_RISE: f64 = 0.09;
+
 /// Samples around and in a cell that places are compared by.
 const SAMPLES: usize = 56;
 
@@ -32,12 +43,24 @@ const REACH: f64 = 0.3;
 /// How far, in cell sizes, a fully light leaf reaches over its cell's border.
 const OVERLAP: f32 = 0.34;
 
+/// How far in front sky counts: without, leaves of the cells about a gap would close it.
+const SKY: f32 = 0.15;
+
 /// In what stands straight a cell's foliage comes from about as far out on a bough, up to this share of the
 /// boughs' length: it must hang as boughs do there.
 const ALONG_BOUGH: f64 = 0.5;
 
 /// Tips whose half width is less than this many cell sizes stay as they are.
 const TIP: f64 = 0.6;
+
+/// How softly a cell's border ends, pixels.
+const SOFT: f32 = 2.0;
+
+/// How much less claim, at most, what is seen behind the edges of a cell's leaves has.
+const BEHIND: f32 = 0.3;
+
+/// Sky.
+const CLEAR: Straight = Straight([0; 4]);
 
 /// How ragged the borders of cells are and how fine, in cell sizes: as leaves are.
 const RAGGED: f32 = 0.3;
@@ -54,10 +77,17 @@ pub(super) fn regrown(
     seed: Seed,
     cancel: &Cancel,
 ) -> Result<Tree, Cancelled> {
+    let depths = Depths::of(both, grid.side, cancel)?;
     let patches = (0..grid.cells.len()).into_par_iter().map(|cell| {
         cancel.check()?;
         let mut random = seed.derive("cell", cell as u64).random();
-        Ok(Patch::found(both, grid, cell, strength, &mut random))
+        Ok(Patch::found(
+            both,
+            &depths,
+            (grid, cell),
+            strength,
+            &mut random,
+        ))
     });
     let patches: Vec<Patch> = patches.collect::<Result<_, Cancelled>>()?;
     let (image, labels) = composed(both, grid, &patches);
@@ -131,6 +161,31 @@ pub(super) struct Both<'a> {
     pub(super) habit: &'a Habit,
 }
 
+/// How deep in the crown the places of both lie.
+struct Depths {
+    swayed: Rounded,
+    tree: Rounded,
+}
+
+impl Depths {
+    fn of(both: Both<'_>, side: f64, cancel: &Cancel) -> Result<Self, Cancelled> {
+        let of = |tree: &Tree| Rounded::of(&tree.image, side, ROUNDED, cancel);
+        Ok(Self {
+            swayed: of(both.swayed)?,
+            tree: of(both.tree)?,
+        })
+    }
+
+    /// How unlike the outline, if any is near, runs by both ends of `patch`: up to 1 nobody sees it.
+    fn difference(&self, patch: &Patch) -> f64 {
+        let [own, own_across, own_down] = self.swayed.profile(patch.to[0], patch.to[1]);
+        let [depth, across, down] = self.tree.profile(patch.from[0], patch.from[1]);
+        let across = if patch.is_mirrored { -across } else { across };
+        let rise = (own_across - across).hypot(own_down - down);
+        ((own - depth).abs() / SAME_DEPTH).max(rise / SAME_RISE)
+    }
+}
+
 /// Where a cell takes its foliage from.
 #[derive(Clone, Copy)]
 struct Patch {
@@ -156,7 +211,13 @@ impl Patch {
     }
 
     /// The best of many places for the cell, or its own.
-    fn found(both: Both<'_>, grid: &Grid, cell: usize, strength: f64, random: &mut Random) -> Self {
+    fn found(
+        both: Both<'_>,
+        depths: &Depths,
+        (grid, cell): (&Grid, usize),
+        strength: f64,
+        random: &mut Random,
+    ) -> Self {
         let (own, bounds) = (Self::own(grid.cells[cell]), grid.bounds);
         // All draws are made whatever the strength, so that more strength only adds changes.
         let habit = both.habit;
@@ -173,8 +234,13 @@ impl Patch {
             })
             .collect();
         let mut best: Option<(f64, Self)> = None;
-        let tries = if is_straight { TRIES_STRAIGHT } else { TRIES };
-        for _ in 0..tries {
+        // Where the outline runs as it does nowhere else: the place that is least unlike.
+        let mut spare: Option<(f64, Self)> = None;
+        let mut left = if is_straight { TRIES_STRAIGHT } else { TRIES };
+        for _ in 0..LOOKS {
+            if left == 0 {
+                break;
+            }
             let [across, down, side] = [0; 3].map(|_| random.unit());
             let y = own.to[1] + REACH * (2.0 * down - 1.0) * f64::from(bounds.height);
             let (x, is_mirrored) = if is_straight {
@@ -194,13 +260,26 @@ impl Patch {
                 is_mirrored,
                 ..own
             };
-            if let Some((cost, lift)) = patch.cost(both, &ring)
-                && best.is_none_or(|(least, _)| cost < least)
-            {
-                best = Some((cost, Self { lift, ..patch }));
+            let difference = if is_straight {
+                0.0
+            } else {
+                depths.difference(&patch)
+            };
+            let fits = difference <= 1.0;
+            left -= usize::from(fits);
+            if !fits && spare.is_some_and(|(least, _)| difference >= least) {
+                continue;
+            }
+            let Some((cost, lift)) = patch.cost(both, &ring) else {
+                continue;
+            };
+            let kept = if fits { &mut best } else { &mut spare };
+            let value = if fits { cost } else { difference };
+            if kept.is_none_or(|(least, _)| value < least) {
+                *kept = Some((value, Self { lift, ..patch }));
             }
         }
-        best.map_or(own, |(_, patch)| patch)
+        best.or(spare).map_or(own, |(_, patch)| patch)
     }
 
     /// The place that pixel (x, y) of the new picture comes from.
@@ -227,7 +306,7 @@ impl Patch {
             if is_trunk(swayed, x, y) || is_trunk(tree, u, v) {
                 return None;
             }
-            let at = |of: &Tree, x, y| of.image.get(x, y).unwrap_or(Straight([0; 4]));
+            let at = |of: &Tree, x, y| of.image.get(x, y).unwrap_or(CLEAR);
             let (own, other) = (at(swayed, x, y), at(tree, u, v));
             let (a, b) = (f64::from(own.alpha()), f64::from(other.alpha()));
             alpha += (a - b).abs() / 255.0;
@@ -263,11 +342,14 @@ fn along_bough(habit: &Habit, to: [f64; 2], y: f64, share: f64, side: f64) -> (f
     (habit.axis(y) + out * habit.half(y), is_other != is_turned)
 }
 
-/// The share of cells that change at this strength: at 0.7 nearly all, for every clump that stays is
-/// found again.
+/// Strength from which on all cells change: every clump that stays is found again, and is drawn out with the
+/// outline.
+const ALL_CHANGE: f64 = 0.7;
+
+/// The share of cells that change at this strength.
 pub(super) fn share_changed(strength: f64) -> f64 {
-    let rest = 1.0 - strength.clamp(0.0, 1.0);
-    1.0 - rest * rest * rest
+    let rest = 1.0 - (strength / ALL_CHANGE).clamp(0.0, 1.0);
+    1.0 - rest * rest
 }
 
 /// The picture and its labels with every cell from where its patch says.
@@ -296,27 +378,64 @@ fn composed(
                     continue;
                 }
                 let mut best = (f32::NEG_INFINITY, *pixel, *label);
+                let mut second = (f32::NEG_INFINITY, CLEAR);
                 for cell in grid.near(fx, fy) {
                     let patch = &patches[cell];
                     let [cx, cy] = patch.to;
                     let distance = ((fx - cx) * (fx - cx) + (fy - cy) * (fy - cy)).sqrt() as f32;
                     let (u, v) = patch.source(fx, fy);
                     let from = if patch.is_own { swayed } else { tree };
-                    let other = from.image.get(u, v).unwrap_or(Straight([0; 4]));
+                    let other = from.image.get(u, v).unwrap_or(CLEAR);
                     let other_label = from.labels.get(u, v).unwrap_or_default();
                     if other_label == Label::Trunk {
                         continue;
                     }
-                    let front = front(other, patch.lift);
+                    let sky = SKY * (1.0 - f32::from(other.alpha()) / 255.0);
+                    let front = front(other, patch.lift) + sky;
                     let claim = OVERLAP * front - distance / side + rags.at(cell, x, y);
+                    let other = lifted(other, patch.lift);
                     if claim > best.0 {
-                        best = (claim, lifted(other, patch.lift), other_label);
+                        second = (best.0, best.1);
+                        best = (claim, other, other_label);
+                    } else if claim > second.0 {
+                        second = (claim, other);
                     }
                 }
-                (*pixel, *label) = (best.1, best.2);
+                let ahead = best.0 - second.0;
+                let share = 0.5 + 0.5 * ahead * side / SOFT;
+                let behind = if ahead < BEHIND { second.1 } else { CLEAR };
+                (*pixel, *label) = (
+                    mixed(over(best.1, behind), second.1, share.min(1.0)),
+                    best.2,
+                );
             }
         });
     (image, labels)
+}
+
+/// The edge of a leaf before what lies behind it, which is seen the less the less there is of the leaf: gaps stay.
+fn over(leaf: Straight, behind: Straight) -> Straight {
+    let [r, g, b, alpha] = leaf.0;
+    let share = f32::from(alpha) / 255.0;
+    let [behind_r, behind_g, behind_b, behind_alpha] = behind.0;
+    let seen = (share * f32::from(behind_alpha)) as u8;
+    let behind = Straight([behind_r, behind_g, behind_b, seen]);
+    mixed(Straight([r, g, b, 255]), behind, share)
+}
+
+/// `share` of the one and else of the other: what lies between leaf and sky is neither.
+fn mixed(one: Straight, other: Straight, share: f32) -> Straight {
+    if share >= 1.0 || one == other {
+        return one;
+    }
+    let [own, rest] =
+        [(one, share), (other, 1.0 - share)].map(|(pixel, share)| share * f32::from(pixel.alpha()));
+    let alpha = own + rest;
+    let channel = |c: usize| {
+        let sum = own * f32::from(one.0[c]) + rest * f32::from(other.0[c]);
+        (sum / alpha.max(1e-6) + 0.5) as u8
+    };
+    Straight([channel(0), channel(1), channel(2), (alpha + 0.5) as u8])
 }
 
 /// What makes the borders of cells ragged: a tile of noise, of which each cell sees another part.
@@ -327,11 +446,11 @@ pub(super) struct Rags {
 }
 
 impl Rags {
-    const SIDE: usize = 128;
+    const SIDE: usize = 256;
 
     pub(super) fn new(side: f64) -> Self {
         /// Pixels of the tile in a wave.
-        const WAVE: f64 = 4.0;
+        const WAVE: f64 = 12.0;
         let noise = Noise::new(&mut Seed(0).random());
         let at = |i: usize| [i % Self::SIDE, i / Self::SIDE].map(|along| along as f64 / WAVE);
         let value = |i| RAGGED * (noise.at(at(i)) as f32 - 0.5);
@@ -363,4 +482,30 @@ pub(super) fn lifted(pixel: Straight, lift: f32) -> Straight {
     let factor = ((own + lift) / own).clamp(0.6, 1.6);
     let scaled = |value: u8| (f32::from(value) * factor + 0.5).min(255.0) as u8;
     Straight([scaled(r), scaled(g), scaled(b), alpha])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LEAF: Straight = Straight([40, 90, 30, 255]);
+    const EDGE: Straight = Straight([40, 90, 30, 128]);
+    const SHADE: Straight = Straight([10, 20, 10, 255]);
+
+    #[test]
+    fn gaps_stay_gaps_and_edges_show_what_is_behind() {
+        assert_eq!(over(CLEAR, SHADE).alpha(), 0);
+        assert_eq!(over(LEAF, SHADE), LEAF);
+        assert_eq!(over(EDGE, CLEAR), EDGE);
+        let edge = over(EDGE, SHADE);
+        assert!((160..224).contains(&edge.alpha()), "{edge:?}");
+        assert!((SHADE.0[1]..LEAF.0[1]).contains(&edge.0[1]), "{edge:?}");
+    }
+
+    #[test]
+    fn what_ends_softly_keeps_its_colour() {
+        assert_eq!(mixed(LEAF, CLEAR, 1.0), LEAF);
+        assert_eq!(mixed(LEAF, CLEAR, 0.5), EDGE);
+        assert_eq!(mixed(LEAF, LEAF, 0.5), LEAF);
+    }
 }

@@ -50,8 +50,8 @@ pub struct ChoiceSettings {
     pub weights: (f64, f64),
     /// Where colours come from.
     pub coloring: Coloring,
-    /// In target mode, how far a tree may go from the target: 0 copies it, at 1 half of the
-    /// outline comes from other trees.
+    /// How far a tree may go from what it is made of: at 0 it is the target, or what its exemplars mix
+    /// to; at 1 half of a target's outline comes from other trees, and all of foliage and limbs is new.
     pub strength: f64,
     /// Whether only trees that match are mixed, and pairs that are much distorted drawn again.
     pub selective: bool,

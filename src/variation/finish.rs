@@ -63,6 +63,21 @@ pub struct Reshaping {
     pub seed: u64,
 }
 
+impl Reshaping {
+    /// How much of the strength asked for is taken: trees of one mix differ in that, too.
+    const SHARE: (f64, f64) = (0.5, 1.0);
+
+    /// What becomes of the outline of a mix with this seed; nothing without strength.
+    pub fn drawn(strength: f64, seed: Seed) -> Option<Self> {
+        let mut random = seed.derive("reshaped", 0).random();
+        let share = random.between(Self::SHARE.0, Self::SHARE.1);
+        (strength > 0.0).then(|| Self {
+            strength: share * strength,
+            seed: random.bits(),
+        })
+    }
+}
+
 /// All that becomes of a tree. By default nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Finish {

@@ -39,6 +39,7 @@ mod normalize;
 mod palette;
 mod repetition;
 mod rim;
+mod rounded;
 mod sampling;
 mod season;
 mod spire;

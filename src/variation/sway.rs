@@ -16,8 +16,9 @@
 use super::Tree;
 use super::habit::Habit;
 use super::noise::Noise;
+use super::rounded::Rounded;
 use crate::base::{Cancel, Cancelled, Random};
-use crate::raster::{Image, Mask, Straight, closed_and_filled, opaque_bounds, smoothed_within};
+use crate::raster::{Image, Straight, opaque_bounds};
 use crate::segment::crown_baseline;
 use rayon::prelude::*;
 
@@ -83,12 +84,6 @@ const ROUNDED: f64 = 1.3;
 /// their outline, and would be cut off straight.
 const HEADROOM: f64 = 0.025;
 
-/// Nodes of the rounded outline in a cell size.
-const NODES: f64 = 6.0;
-
-/// Gaps up to twice this wide, in cell sizes, belong to the inside although the sky reaches into them.
-const CLOSED: f64 = 0.16;
-
 /// `tree`, which has that habit and is to have those boughs, with its crown moved; without boughs the crown
 /// only goes with its stem. `side` is the size of a cell, pixels; the strengths are that of the crown and that
 /// of the stem.
@@ -109,7 +104,7 @@ pub(super) fn swayed(
         swell: Waves::new(SWELL, random),
         stem: Stem::new((tree, habit), boughs.is_none(), side, of_stem, random),
         boughs,
-        rounded: Rounded::of(image, side, cancel)?,
+        rounded: Rounded::of(image, side, ROUNDED, cancel)?,
         habit,
         width: f64::from(image.width()),
         side,
@@ -328,14 +323,6 @@ impl Stem {
     }
 }
 
-/// Where the tree is, gaps between its leaves and boughs included: those of new foliage take their
-/// place. `side` is the size of a cell, pixels.
-pub(super) fn without_gaps(image: &Image<Straight>, side: f64) -> Mask {
-    let reach = (CLOSED * side).clamp(1.0, 60.0) as u8;
-    let seen = image.map(|pixel| pixel.alpha() >= 96);
-    closed_and_filled(&seen, reach)
-}
-
 /// Noise of two wave lengths.
 struct Waves {
     waves: [(Noise, [f64; 2]); 2],
@@ -354,59 +341,6 @@ impl Waves {
             2.0 * height * (noise.at([x / length, y / length]) - 0.5)
         };
         self.waves.iter().map(wave).sum()
-    }
-}
-
-/// The rounded inside of a crown on a coarse grid: 0 outside, 1 inside.
-struct Rounded {
-    inside: Image<f32>,
-    /// Nodes for a pixel.
-    scale: f64,
-}
-
-impl Rounded {
-    fn of(image: &Image<Straight>, side: f64, cancel: &Cancel) -> Result<Self, Cancelled> {
-        let scale = (NODES / side).min(1.0);
-        let nodes = |pixels: u32| ((f64::from(pixels) * scale).ceil() as u32).max(2) + 1;
-        let mask = without_gaps(image, side);
-        let (width, height) = (nodes(image.width()), nodes(image.height()));
-        let node = |i: u32| {
-            let [x, y] = [i % width, i / width].map(|at| (f64::from(at) / scale) as i64);
-            f32::from(u8::from(mask.get(x, y).unwrap_or(false)))
-        };
-        let inside = Image::from_pixels(width, height, (0..width * height).map(node).collect());
-        let everywhere = inside.map(|_| true);
-        Ok(Self {
-            inside: smoothed_within(&inside, &everywhere, ROUNDED * NODES, cancel)?,
-            scale,
-        })
-    }
-
-    /// The direction into the crown at pixel (x, y), of length 1 on the rounded outline and less away
-    /// from it.
-    fn inwards(&self, x: f64, y: f64) -> [f64; 2] {
-        let (x, y) = (x * self.scale, y * self.scale);
-        let across = self.at(x + 1.0, y) - self.at(x - 1.0, y);
-        let down = self.at(x, y + 1.0) - self.at(x, y - 1.0);
-        let value = self.at(x, y);
-        let length = (across * across + down * down).sqrt();
-        let share = 4.0 * value * (1.0 - value) / length.max(1e-9);
-        // Where nothing rises there is no outline.
-        let is_flat = length < 1e-6;
-        [across, down].map(|along| if is_flat { 0.0 } else { share * along })
-    }
-
-    /// Bilinear between nodes.
-    fn at(&self, x: f64, y: f64) -> f64 {
-        let (width, height) = (self.inside.width(), self.inside.height());
-        let within = |value: f64, nodes: u32| value.clamp(0.0, f64::from(nodes) - 1.001);
-        let (x, y) = (within(x, width), within(y, height));
-        let (left, top) = (x.floor(), y.floor());
-        let (s, t) = (x - left, y - top);
-        let node = |dx: u32, dy: u32| f64::from(self.inside.at(left as u32 + dx, top as u32 + dy));
-        let upper = node(0, 0) + (node(1, 0) - node(0, 0)) * s;
-        let lower = node(0, 1) + (node(1, 1) - node(0, 1)) * s;
-        upper + (lower - upper) * t
     }
 }
 

@@ -53,8 +53,8 @@ const HANGING: f64 = 2.5;
 /// Largest part, in squares of a cell, that does not hang together with the rest and is cleared.
 const LOOSE: f64 = 4.0;
 
-/// `tree` with other boughs, `strength` saying how many change. What does not stand straight stays as it is. The
-/// same draws are made whatever the strength.
+/// `tree`, which stands straight, with other boughs, `strength` saying how many change. The same draws are made
+/// whatever the strength.
 ///
 /// # Errors
 /// [`Cancelled`].
@@ -66,9 +66,6 @@ pub(super) fn retiered(
     random: &mut Random,
     cancel: &Cancel,
 ) -> Result<Tree, Cancelled> {
-    if !habit.is_straight() {
-        return Ok(tree.clone());
-    }
     let crown = Spire::of(tree, habit, STRIP * side, cancel)?;
     let strips = [-1.0, 1.0].map(|of| crown.strips(of, side, strength, random));
     let rags = Rags::new(side);
@@ -307,9 +304,8 @@ mod tests {
     }
 
     #[test]
-    fn a_spruce_gets_other_boughs_and_an_oak_none() {
-        let (spruce, oak) = (sample("spruce"), sample("oak"));
-        assert_eq!(other(&oak, 1.0, 0), oak);
+    fn a_spruce_gets_other_boughs() {
+        let spruce = sample("spruce");
         assert_eq!(other(&spruce, 0.0, 0), spruce);
         for seed in 0..4 {
             let new = other(&spruce, 0.7, seed);

@@ -286,6 +286,38 @@ fn variations_of_a_target_go_as_far_as_asked() {
     );
 }
 
+#[test]
+fn trees_of_one_picture_differ_unless_told_otherwise() {
+    let folder = tempfile::tempdir().unwrap();
+    library(folder.path());
+    for file in ["1.png", "2.png", "3.png"] {
+        fs::remove_file(folder.path().join("library").join(file)).unwrap();
+    }
+    let pictures = |out: &str, strength: &str| {
+        let asked = ["--mix", "1", "--count", "3", "--strength", strength];
+        let made = vary(folder.path(), &[&asked[..], &["--out", out]].concat());
+        assert!(made.status.success(), "{made:?}");
+        let file = |i: u32| folder.path().join(format!("{out}/tree_000{i}.png"));
+        [0, 1, 2].map(|i| image::open(file(i)).unwrap())
+    };
+    let plain = pictures("plain", "0");
+    assert!(plain[0] == plain[1] && plain[1] == plain[2]);
+    let moved = pictures("moved", "0.7");
+    assert!(moved[0] != moved[1] && moved[1] != moved[2] && moved[0] != moved[2]);
+    assert!(moved.iter().all(|picture| *picture != plain[0]));
+    // The record is enough to make the second again.
+    let recipe = [
+        "vary",
+        "--recipe",
+        "moved/library.json#tree_0001",
+        "--out",
+        "again",
+    ];
+    assert!(boscage(folder.path(), &recipe).status.success());
+    let again = image::open(folder.path().join("again/tree_0001.png"));
+    assert_eq!(again.unwrap(), moved[1]);
+}
+
 /// The record of the folder `out`.
 fn record(folder: &Path, out: &str) -> Value {
     let file = folder.join(out).join("library.json");

@@ -134,15 +134,15 @@ impl Variation {
             let whole = Some(Gesture::Whole);
             changed_settings(actions, studio, "Target", whole, |s| s.target = target);
         }
-        ui.add_enabled_ui(settings.target.is_some(), |ui| {
-            let mut strength = settings.strength;
-            let usual = VariationSettings::default().strength;
-            let gesture = Field::new("Strength", 0.0..=1.0, usual)
-                .limits(0.0..=1.0)
-                .beside()
-                .help("How far trees go from the target: at 0 they copy it, at 1 half of the outline is others'.")
-                .show(ui, &mut strength);
-            changed_settings(actions, studio, "Strength", gesture, |s| s.strength = strength);
+        let mut strength = settings.strength;
+        let usual = VariationSettings::default().strength;
+        let gesture = Field::new("Strength", 0.0..=1.0, usual)
+            .limits(0.0..=1.0)
+            .beside()
+            .help("How far trees go from the target, or from what their exemplars mix to, in outline, foliage and hue: at 0 they are that.")
+            .show(ui, &mut strength);
+        changed_settings(actions, studio, "Strength", gesture, |s| {
+            s.strength = strength
         });
     }
 

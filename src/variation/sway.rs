@@ -80,6 +80,9 @@ const MOST_OF_CROWN: f64 = 0.18;
 /// Standard deviation of the Gaussian that rounds the outline before its normal is taken, in cell sizes.
 const ROUNDED: f64 = 1.3;
 
+/// Nodes in a cell size at which the moves are reckoned: many to the shortest wave.
+const FIELD_NODES: f64 = 12.0;
+
 /// Share of its height that the tree draws in from the frame, if it touches that above: new leaves stand out of
 /// their outline, and would be cut off straight.
 const HEADROOM: f64 = 0.025;
@@ -110,6 +113,7 @@ pub(super) fn swayed(
         side,
         strength,
     };
+    let field = Field::of(&moves, image.width(), image.height());
     let width = image.width() as usize;
     let mut swayed = tree.clone();
     let rows = swayed.image.pixels_mut().par_chunks_mut(width);
@@ -117,7 +121,7 @@ pub(super) fn swayed(
         .enumerate()
         .for_each(|(y, (pixels, out))| {
             for (x, (pixel, label)) in pixels.iter_mut().zip(out).enumerate() {
-                let [u, v] = moves.source(x as f64, y as f64);
+                let [u, v] = field.source(x, y);
                 *pixel = between_pixels(image, u, v);
                 let near = |value: f64| (value + 0.5).floor() as i64;
                 *label = labels.get(near(u), near(v)).unwrap_or_default();
@@ -182,6 +186,46 @@ impl Moves<'_> {
         // A spire may touch the frame with its tip.
         let headroom = (1.0 - habit.straight()) * stem.headroom(y);
         [x + dx, y + toward(dy, y) - headroom]
+    }
+}
+
+/// Where the pixels of a moved tree come from, reckoned at nodes; bilinear between.
+struct Field {
+    /// From a node to its source.
+    offsets: Vec<[f64; 2]>,
+    columns: usize,
+    /// Pixels between nodes.
+    step: usize,
+}
+
+impl Field {
+    fn of(moves: &Moves<'_>, width: u32, height: u32) -> Self {
+        let step = ((moves.side / FIELD_NODES) as usize).max(1);
+        let [columns, rows] = [width, height].map(|pixels| pixels as usize / step + 2);
+        let node = |i: usize| {
+            let [x, y] = [i % columns, i / columns].map(|at| (at * step) as f64);
+            let [u, v] = moves.source(x, y);
+            [u - x, v - y]
+        };
+        Self {
+            offsets: (0..columns * rows).into_par_iter().map(node).collect(),
+            columns,
+            step,
+        }
+    }
+
+    /// The place that pixel (x, y) comes from.
+    fn source(&self, x: usize, y: usize) -> [f64; 2] {
+        let [s, t] = [x, y].map(|at| (at % self.step) as f64 / self.step as f64);
+        let first = y / self.step * self.columns + x / self.step;
+        let [upper, lower] = [first, first + self.columns].map(|left| {
+            let (a, b) = (self.offsets[left], self.offsets[left + 1]);
+            [a[0] + s * (b[0] - a[0]), a[1] + s * (b[1] - a[1])]
+        });
+        [
+            x as f64 + upper[0] + t * (lower[0] - upper[0]),
+            y as f64 + upper[1] + t * (lower[1] - upper[1]),
+        ]
     }
 }
 

@@ -197,7 +197,7 @@ pub struct VariationSettings {
     pub exemplars: Vec<ExemplarWeight>,
     /// The tree that others are made like.
     pub target: Option<PhotoId>,
-    /// How far from the target, 0…1.
+    /// How far from the target, or from what is mixed, 0…1.
     pub strength: f64,
     /// Exemplars in a tree.
     pub mix: u32,

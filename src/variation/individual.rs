@@ -2,8 +2,8 @@
 //! within what the species has.
 //!
 //! A warp leaves every clump and gap where an eye finds it again. So the crown is cut into cells that take
-//! what other places of it show ([`super::cells`]); limbs sway and the outline swells and shrinks by smooth
-//! noise ([`super::sway`]); near the outline alpha is that of the swayed tree ([`super::rim`]). Strength
+//! what other places of it show ([`super::cells`]), on the outline such as end as it does there; limbs sway and the
+//! outline swells and shrinks by smooth noise ([`super::sway`], [`super::rim`]). Strength
 //! says how many cells change and scales all else: more of it keeps all changes and adds to them. What stands
 //! straight gets other boughs first ([`super::tiers`]).
 //!

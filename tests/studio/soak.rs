@@ -350,6 +350,7 @@ fn rests(window: &mut Window) -> bool {
     rests_within(window, PATIENCE)
 }
 
+/// The same with another patience.
 fn rests_within(window: &mut Window, patience: Duration) -> bool {
     let until = Instant::now() + patience;
     while window.state().studio().is_busy() && Instant::now() < until {

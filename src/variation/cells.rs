@@ -77,13 +77,17 @@ pub(super) fn regrown(
     seed: Seed,
     cancel: &Cancel,
 ) -> Result<Tree, Cancelled> {
-    let depths = Depths::of(both, grid.side, cancel)?;
+    // What stands straight keeps its outline.
+    let depths = match both.habit.is_straight() {
+        true => None,
+        false => Some(Depths::of(both, grid.side, cancel)?),
+    };
     let patches = (0..grid.cells.len()).into_par_iter().map(|cell| {
         cancel.check()?;
         let mut random = seed.derive("cell", cell as u64).random();
         Ok(Patch::found(
             both,
-            &depths,
+            depths.as_ref(),
             (grid, cell),
             strength,
             &mut random,
@@ -213,7 +217,7 @@ impl Patch {
     /// The best of many places for the cell, or its own.
     fn found(
         both: Both<'_>,
-        depths: &Depths,
+        depths: Option<&Depths>,
         (grid, cell): (&Grid, usize),
         strength: f64,
         random: &mut Random,
@@ -260,11 +264,7 @@ impl Patch {
                 is_mirrored,
                 ..own
             };
-            let difference = if is_straight {
-                0.0
-            } else {
-                depths.difference(&patch)
-            };
+            let difference = depths.map_or(0.0, |depths| depths.difference(&patch));
             let fits = difference <= 1.0;
             left -= usize::from(fits);
             if !fits && spare.is_some_and(|(least, _)| difference >= least) {

@@ -9,7 +9,9 @@
 //! relief.
 
 use super::chamfer::{PIXEL, chamfer};
-use crate::raster::{Image, Mask, flooded_from_outside, labelled_components, opaque_bounds};
+use crate::raster::{
+    Image, Mask, component_sizes, flooded_from_outside, labelled_components, opaque_bounds,
+};
 use serde::{Deserialize, Serialize};
 
 /// How much of a mask's outline belongs to the crown's volume.
@@ -79,13 +81,9 @@ fn shrunk(mask: &Mask, thirds: u32) -> Mask {
 /// The component with the most pixels, the first of several.
 fn largest_part(mask: &Mask) -> Mask {
     let labels = labelled_components(mask);
-    let count = labels.pixels().iter().copied().max().unwrap_or(0);
-    let mut sizes = vec![0usize; count as usize + 1];
-    for &label in labels.pixels() {
-        sizes[label as usize] += 1;
-    }
-    let largest = (1..=count).rev().max_by_key(|&label| sizes[label as usize]);
-    labels.map(|&label| Some(label) == largest)
+    let sizes = component_sizes(&labels);
+    let largest = (1..sizes.len()).rev().max_by_key(|&label| sizes[label]);
+    labels.map(|&label| Some(label as usize) == largest)
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Gaussian smoothing of a picture within a mask.
+//! Gaussian smoothing of a picture, the whole of it or within a mask.
 //!
 //! Normalised convolution (Knutsson & Westin, *Normalized and differential convolution*, 1993):
 //! values and mask are smoothed alike and divided, so that what lies outside the mask, however
@@ -11,6 +11,28 @@ use rayon::prelude::*;
 
 /// Standard deviations after which the kernel ends: what is cut off weighs 0.3 %.
 const REACH: f64 = 3.0;
+
+/// `values` smoothed by a Gaussian of standard deviation `sigma` pixels that sees only what lies in the frame. A
+/// `sigma` of 0 changes nothing.
+///
+/// # Errors
+/// [`Cancelled`].
+pub fn smoothed(values: &Image<f32>, sigma: f64, cancel: &Cancel) -> Result<Image<f32>, Cancelled> {
+    let half = half_kernel(sigma);
+    if half.len() == 1 {
+        return Ok(values.clone());
+    }
+    let mut smooth = both_ways(values, &half, cancel)?;
+    // What the kernel meets of the frame is the product of what it meets along and across.
+    let met = |count: u32| along_rows(&Image::filled(count, 1, 1.0), &half, cancel);
+    let (across, down) = (met(values.width())?, met(values.height())?);
+    for (y, down) in (0..).zip(down.pixels()) {
+        for (value, across) in smooth.row_mut(y).iter_mut().zip(across.pixels()) {
+            *value /= across * down;
+        }
+    }
+    Ok(smooth)
+}
 
 /// `values` smoothed by a Gaussian of standard deviation `sigma` pixels that sees only the pixels of
 /// `mask`; defined for all pixels. A `sigma` of 0 changes nothing.
@@ -46,17 +68,19 @@ pub fn smoothed_within(
     let masked = Image::from_pixels(size.0, size.1, masked.collect());
     let sum: f64 = masked.pixels().iter().map(|&value| f64::from(value)).sum();
     let mean = (sum / mask.count().max(1) as f64) as f32;
-    // Two passes of "along the rows, then transposed": rows are what vector units like.
-    let both_ways = |image: &Image<f32>| -> Result<Image<f32>, Cancelled> {
-        let once = transposed(&along_rows(image, &half, cancel)?);
-        Ok(transposed(&along_rows(&once, &half, cancel)?))
-    };
-    let mut smooth = both_ways(&masked)?;
-    let weight = both_ways(&share)?;
+    let mut smooth = both_ways(&masked, &half, cancel)?;
+    let weight = both_ways(&share, &half, cancel)?;
     for (value, &weight) in smooth.pixels_mut().iter_mut().zip(weight.pixels()) {
         *value = if weight > 0.0 { *value / weight } else { mean };
     }
     Ok(smooth)
+}
+
+/// `image` convolved with the symmetric kernel in both directions; beyond the frame all is 0.
+fn both_ways(image: &Image<f32>, half: &[f32], cancel: &Cancel) -> Result<Image<f32>, Cancelled> {
+    // Two passes of "along the rows, then transposed": rows are what vector units like.
+    let once = transposed(&along_rows(image, half, cancel)?);
+    Ok(transposed(&along_rows(&once, half, cancel)?))
 }
 
 /// The kernel from its middle outwards, of sum 1 over both halves.
@@ -174,6 +198,21 @@ mod tests {
                     let found = f64::from(smooth.at(x, y));
                     assert!((found - expected).abs() < 1e-5, "{found} {expected}");
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn the_whole_frame_is_a_mask_that_is_everywhere() {
+        let mut random = crate::base::Seed(2).random();
+        let values = (0..19 * 26).map(|_| random.unit() as f32).collect();
+        let values = Image::from_pixels(19, 26, values);
+        for sigma in [0.0, 0.8, 4.1] {
+            let whole = smoothed(&values, sigma, &Cancel::new()).unwrap();
+            let everywhere = values.map(|_| true);
+            let within = smoothed_within(&values, &everywhere, sigma, &Cancel::new()).unwrap();
+            for (whole, within) in whole.pixels().iter().zip(within.pixels()) {
+                assert!((whole - within).abs() < 1e-5, "{whole} {within}");
             }
         }
     }

@@ -90,6 +90,17 @@ pub fn labelled_components(mask: &Mask) -> Image<u32> {
     Image::from_pixels(mask.width(), mask.height(), labels.into_raw())
 }
 
+/// How many pixels each of `components` has, which are numbered as by [`labelled_components`]; first those
+/// of none.
+pub fn component_sizes(components: &Image<u32>) -> Vec<usize> {
+    let last = components.pixels().iter().max().copied().unwrap_or(0);
+    let mut sizes = vec![0; last as usize + 1];
+    for &component in components.pixels() {
+        sizes[component as usize] += 1;
+    }
+    sizes
+}
+
 /// All pixels that cannot be reached from outside the image without crossing `barrier`; the
 /// barrier itself is kept. Steps go to the four neighbours, so an 8-connected barrier holds.
 ///

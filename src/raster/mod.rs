@@ -24,7 +24,7 @@ mod rect;
 mod resample;
 mod write;
 
-pub use blur::smoothed_within;
+pub use blur::{smoothed, smoothed_within};
 pub use cube_envelope::{CubeCones, cube_upper_envelope};
 pub use cube_grid::{folded, per_face, smoothed_cubemap};
 pub use cubemap::{CubeFace, Cubemap};
@@ -33,8 +33,8 @@ pub use image::{Image, Premultiplied, Straight};
 #[cfg(test)]
 pub(crate) use mask::mask;
 pub use mask::{
-    Mask, closed_and_filled, dilated, eroded, flooded_from_outside, labelled_components,
-    opaque_bounds,
+    Mask, closed_and_filled, component_sizes, dilated, eroded, flooded_from_outside,
+    labelled_components, opaque_bounds,
 };
 pub use pyramid::Pyramid;
 pub use read::{

@@ -10,7 +10,7 @@
 //! Limits: grass and other trees behind gaps have the colours of leaves and stay. A cut-out without a
 //! background has nothing to compare with; nothing is taken for sky.
 
-use crate::raster::{Image, Mask, Straight, dilated, labelled_components};
+use crate::raster::{Image, Mask, Straight, component_sizes, dilated, labelled_components};
 
 /// Bits a channel of a histogram's bin: 16 levels. Finer ones are empty on small pictures, coarser
 /// ones mix haze with silver leaves.
@@ -290,15 +290,7 @@ fn median(photo: &Image<Straight>, mask: &Mask, value: impl Fn(Straight) -> f32)
 
 fn without_islands(mask: &Mask) -> Mask {
     let labels = labelled_components(mask);
-    let count = labels
-        .pixels()
-        .iter()
-        .max()
-        .map_or(0, |&last| last as usize + 1);
-    let mut sizes = vec![0usize; count];
-    for &label in labels.pixels() {
-        sizes[label as usize] += 1;
-    }
+    let sizes = component_sizes(&labels);
     both(mask, &labels, |inside, label| {
         inside && sizes[label as usize] >= SMALLEST_ISLAND
     })

@@ -16,7 +16,7 @@ use super::noise::Noise;
 use super::sway::between_pixels;
 use super::{Tree, named};
 use crate::base::{Cancel, Cancelled, Random};
-use crate::raster::{Image, Mask, Straight, smoothed_within};
+use crate::raster::{Image, Mask, Straight, smoothed};
 use crate::segment::Label;
 use rayon::prelude::*;
 
@@ -154,7 +154,7 @@ fn without(image: &Image<Straight>, mask: &Mask) -> Image<Straight> {
 /// How light fronds are, 0 to 1, smoothed; where there are none 0.
 fn light(fronds: &Image<Straight>, sigma: f64, cancel: &Cancel) -> Result<Image<f32>, Cancelled> {
     let light = fronds.map(|pixel| pixel.luma() / 255.0 * f32::from(pixel.alpha()) / 255.0);
-    smoothed_within(&light, &light.map(|_| true), sigma, cancel)
+    smoothed(&light, sigma, cancel)
 }
 
 /// As it is behind another frond, `share` of it seen.

@@ -16,7 +16,7 @@
 use super::mean_value::{Cage, mapped_exactly};
 use crate::contour::{filled, outlines};
 use crate::geometry::{Point, Polygon, equal_chords, signed_area};
-use crate::raster::{Mask, dilated, labelled_components, opaque_bounds};
+use crate::raster::{Mask, component_sizes, dilated, labelled_components, opaque_bounds};
 
 /// Vertices of a gap: each costs as much as one of the cage's hundred.
 const VERTICES: usize = 12;
@@ -51,15 +51,10 @@ pub(super) fn gaps(cage: &[Point], mask: &Mask) -> Vec<Polygon> {
         *free = !*free && !taken;
     }
     let parts = labelled_components(&free);
-    let count = parts.pixels().iter().copied().max().unwrap_or(0) as usize;
-    let mut areas = vec![0u32; count + 1];
-    parts
-        .pixels()
-        .iter()
-        .for_each(|&part| areas[part as usize] += 1);
+    let areas = component_sizes(&parts);
     let least = LEAST_AREA * f64::from(size) * f64::from(size);
-    let mut large: Vec<usize> = (1..=count)
-        .filter(|&part| f64::from(areas[part]) >= least)
+    let mut large: Vec<usize> = (1..areas.len())
+        .filter(|&part| areas[part] as f64 >= least)
         .collect();
     large.sort_by_key(|&part| (std::cmp::Reverse(areas[part]), part));
     let polygons = large.into_iter().take(MOST);

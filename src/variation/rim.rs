@@ -7,7 +7,7 @@ use super::Tree;
 use super::habit::Habit;
 use super::rounded::without_gaps;
 use crate::base::{Cancel, Cancelled};
-use crate::raster::{Image, Straight, labelled_components, smoothed_within};
+use crate::raster::{Image, Straight, labelled_components, smoothed};
 use crate::segment::Label;
 use rayon::prelude::*;
 
@@ -32,8 +32,7 @@ pub(super) fn within_outline(
     cancel: &Cancel,
 ) -> Result<(Tree, Image<f32>), Cancelled> {
     let alpha = without_gaps(&tree.image, side).map(|&inside| f32::from(u8::from(inside)));
-    let everywhere = alpha.map(|_| true);
-    let inside = smoothed_within(&alpha, &everywhere, BAND * side, cancel)?;
+    let inside = smoothed(&alpha, BAND * side, cancel)?;
     let width = inside.width() as usize;
     let mut result = tree.clone();
     let rows = result.image.pixels_mut().par_chunks_mut(width);

@@ -1,7 +1,7 @@
 //! How deep in a crown a place lies, gaps between leaves left out.
 
 use crate::base::{Cancel, Cancelled};
-use crate::raster::{Image, Mask, Straight, closed_and_filled, smoothed_within};
+use crate::raster::{Image, Mask, Straight, closed_and_filled, smoothed};
 
 /// Nodes of the rounded outline in a cell size.
 const NODES: f64 = 6.0;
@@ -41,9 +41,8 @@ impl Rounded {
             f32::from(u8::from(mask.get(x, y).unwrap_or(false)))
         };
         let inside = Image::from_pixels(width, height, (0..width * height).map(node).collect());
-        let everywhere = inside.map(|_| true);
         Ok(Self {
-            inside: smoothed_within(&inside, &everywhere, rounding * NODES, cancel)?,
+            inside: smoothed(&inside, rounding * NODES, cancel)?,
             scale,
         })
     }

@@ -6,7 +6,7 @@
 use super::Tree;
 use super::habit::Habit;
 use crate::base::{Cancel, Cancelled};
-use crate::raster::{Image, smoothed_within};
+use crate::raster::{Image, smoothed};
 use crate::segment::Label;
 use rayon::prelude::*;
 
@@ -57,7 +57,6 @@ impl<'a> Spire<'a> {
         cancel: &Cancel,
     ) -> Result<Self, Cancelled> {
         let cover = tree.image.map(|pixel| f32::from(pixel.alpha()) / 255.0);
-        let everywhere = tree.image.map(|_| true);
         let mut crown = Self {
             tree,
             habit,
@@ -65,7 +64,7 @@ impl<'a> Spire<'a> {
             slopes: slopes(tree, habit, strip),
             reaches: [0; 2].map(|_| vec![0.0; tree.image.height() as usize]),
             lowest: vec![0.0; tree.image.width() as usize + 1],
-            cover: smoothed_within(&cover, &everywhere, COVER * strip, cancel)?,
+            cover: smoothed(&cover, COVER * strip, cancel)?,
             filled: 0.0,
         };
         let width = tree.image.width() as usize;

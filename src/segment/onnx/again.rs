@@ -7,7 +7,7 @@
 use super::guided::PLANES;
 use super::letterbox::Letterbox;
 use super::likelihood::{CROWN, TRUNK};
-use crate::raster::{Image, Mask, Rect, labelled_components, opaque_bounds};
+use crate::raster::{Image, Mask, Rect, component_sizes, labelled_components, opaque_bounds};
 
 /// Likelihood of trunk from which on a place may be one.
 const MAY_BE_TRUNK: f32 = 0.3;
@@ -57,15 +57,11 @@ pub(super) fn foot(likelihoods: &Image<[f32; PLANES]>, letterbox: &Letterbox) ->
 /// The bounds of the largest piece that may be trunk.
 fn trunk(seen: &Image<[f32; PLANES]>) -> Option<Rect> {
     let numbers = labelled_components(&seen.map(|own| own[TRUNK] > MAY_BE_TRUNK));
-    let mut counts: Vec<usize> = Vec::new();
-    for &number in numbers.pixels().iter().filter(|&&number| number > 0) {
-        let number = number as usize;
-        counts.resize(counts.len().max(number + 1), 0);
-        counts[number] += 1;
-    }
-    let most = counts.iter().max()?;
-    let largest = counts.iter().position(|count| count == most)? as u32;
-    opaque_bounds(&numbers.map(|&number| number == largest))
+    let counts = component_sizes(&numbers);
+    let largest = (1..counts.len())
+        .rev()
+        .max_by_key(|&number| counts[number])?;
+    opaque_bounds(&numbers.map(|&number| number as usize == largest))
 }
 
 /// The bounds of the lowest part of the tree.

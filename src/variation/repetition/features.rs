@@ -10,7 +10,7 @@
 use super::correlation::dot;
 use super::view::luma;
 use crate::base::{Cancel, Cancelled};
-use crate::raster::{Image, Premultiplied, scaled, smoothed_within};
+use crate::raster::{Image, Premultiplied, scaled, smoothed};
 
 /// Longer side of the tree in the picture that features are found in.
 const TREE_PX: u32 = 128;
@@ -80,10 +80,9 @@ impl Features {
     /// The features of the tree that fills `tree`.
     pub(super) fn of(tree: &Image<Premultiplied>, cancel: &Cancel) -> Result<Self, Cancelled> {
         let grey = grey(tree);
-        let everywhere = grey.map(|_| true);
         let levels = SIGMAS
             .iter()
-            .map(|&sigma| smoothed_within(&grey, &everywhere, sigma, cancel))
+            .map(|&sigma| smoothed(&grey, sigma, cancel))
             .collect::<Result<Vec<_>, _>>()?;
         let mut own = blobs(&levels);
         // Of equals the upper: the order of the rows.

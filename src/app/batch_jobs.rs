@@ -331,7 +331,7 @@ impl Batch {
         };
         let gate = || context.check();
         let shown = |image: &Image<Straight>| {
-            let small = super::vary_jobs::reduced(&image.premultiplied(), super::vary::TILE_PX);
+            let small = super::vary_making::reduced(&image.premultiplied(), super::vary::TILE_PX);
             let tree = VaryOutcome::BatchTree(Arc::new(small.straight()));
             context.publish(Outcome::Vary(tree));
         };

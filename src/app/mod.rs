@@ -46,6 +46,7 @@ mod tools;
 mod tour;
 mod vary;
 mod vary_jobs;
+mod vary_making;
 
 pub use act_vary::VaryAction;
 pub use action::{Action, Answer, Gesture, Pen};

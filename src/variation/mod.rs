@@ -41,6 +41,7 @@ mod repetition;
 mod rim;
 mod rounded;
 mod sampling;
+mod seams;
 mod season;
 mod spire;
 mod stem;

@@ -10,9 +10,10 @@
 //! Limits: one slope for all boughs of a height; curved boughs are cut where they leave their strip.
 
 use super::Tree;
-use super::cells::{Rags, front, lifted, share_changed};
+use super::cells::share_changed;
 use super::habit::Habit;
 use super::rim::clear_new_loose;
+use super::seams::{Rags, front, lifted};
 use super::spire::{CORE, Spire};
 use crate::base::{Cancel, Cancelled, Random};
 use crate::raster::Straight;

@@ -7,10 +7,12 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![allow(clippy::print_stdout, reason = "a harness tells of its tests")]
 
+#[path = "reference/crowns.rs"]
+mod crowns;
+
 use boscage::base::{Cancel, Progress, Seed};
 use boscage::branches::leaf_name::LeafName;
-use boscage::geometry::Mesh;
-use boscage::raster::{Cubemap, Image, Straight, encode_png};
+use boscage::raster::{Image, Straight, encode_png};
 use boscage::render::{
     Gpu, GpuRenderer, LeafClip, LeafSet, Mode, Occlusion, PreparedCrown, PreparedMesh, Proxy,
     RenderError, RenderSettings, SceneView, Shortcut, View, Viewport, cpu,
@@ -115,31 +117,8 @@ fn without_adapter(error: &RenderError, tests: &[&Test]) -> ExitCode {
     ExitCode::from(u8::from(required))
 }
 
-/// A lumpy crown: waves of several lengths, darker where it is deep.
 fn lumpy() -> Crown {
-    let relief = |d: DVec3| {
-        let mut sum = 0.0;
-        for (count, weight) in [(4.0, 0.5), (9.0, 0.3), (23.0, 0.2)] {
-            let wave = |x: f64, phase: f64| libm::sin(x * count + phase);
-            sum += weight * wave(d.x, 1.0) * wave(d.y, 2.0 + count) * wave(d.z, 4.0);
-        }
-        sum
-    };
-    let radius = |d: DVec3| 3.0 * (1.0 - 0.2 * d.y) * (1.0 + 0.5 * relief(d));
-    let color = |d: DVec3| {
-        let light = 0.7 + 0.5 * relief(d);
-        let [r, g, b] = [90.0, 125.0, 50.0].map(|c| (c * light).clamp(0.0, 255.0) as u8);
-        Straight([r, g, b, 255])
-    };
-    Crown {
-        center_m: DVec3::new(0.4, 5.0, -0.2),
-        radius_m: Cubemap::from_directions(128, |d| radius(d.normalize()) as f32),
-        color: Cubemap::from_directions(128, |d| color(d.normalize())),
-        height: Cubemap::filled(128, 0.5),
-        base_mesh: Mesh::default(),
-        cover: 1.0,
-        stem: None,
-    }
+    crowns::lumpy(DVec3::new(0.4, 5.0, -0.2))
 }
 
 fn prepared() -> Vec<PreparedCrown> {

@@ -5,6 +5,8 @@
 #![allow(clippy::print_stderr, reason = "a left-out test must say so")]
 
 mod base_mesh;
+#[path = "../reference/crowns.rs"]
+mod crowns;
 mod cubemap_seams;
 mod graph_cut;
 mod inflation;

@@ -1,52 +1,19 @@
 //! The renderer on the processor: against what geometry says, and against itself.
 
+use crate::crowns::{crown, lumpy};
 use boscage::base::{Cancel, Progress};
-use boscage::geometry::Mesh;
-use boscage::raster::{Cubemap, Image, Straight};
+use boscage::raster::{Image, Straight};
 use boscage::render::{
     LeafSet, Mode, PreparedCrown, RenderSettings, SceneView, Shortcut, View, cpu,
 };
 use boscage::scene::{Backdrop, Camera, Crown, CrownInstance, Light};
 use glam::DVec3;
 
-/// A crown with this radius and colour in each direction (unit vectors), its centre at 5 m.
-fn crown(size: u32, radius: impl Fn(DVec3) -> f64, color: impl Fn(DVec3) -> [u8; 3]) -> Crown {
-    Crown {
-        center_m: DVec3::new(0.0, 5.0, 0.0),
-        radius_m: Cubemap::from_directions(size, |d| radius(d.normalize()) as f32),
-        color: Cubemap::from_directions(size, |d| {
-            let [r, g, b] = color(d.normalize());
-            Straight([r, g, b, 255])
-        }),
-        height: Cubemap::filled(size, 0.5),
-        base_mesh: Mesh::default(),
-        cover: 1.0,
-        stem: None,
-    }
-}
+/// The centre of all crowns here.
+const CENTER_M: DVec3 = DVec3::new(0.0, 5.0, 0.0);
 
 fn ball() -> Crown {
-    crown(128, |_| 3.0, |_| [90, 120, 50])
-}
-
-/// A lumpy crown: waves of several lengths, darker where it is deep.
-fn lumpy() -> Crown {
-    let relief = |d: DVec3| {
-        let mut sum = 0.0;
-        for (count, weight) in [(4.0, 0.5), (9.0, 0.3), (23.0, 0.2)] {
-            let wave = |x: f64, phase: f64| libm::sin(x * count + phase);
-            sum += weight * wave(d.x, 1.0) * wave(d.y, 2.0 + count) * wave(d.z, 4.0);
-        }
-        sum
-    };
-    crown(
-        128,
-        |d| 3.0 * (1.0 - 0.2 * d.y) * (1.0 + 0.5 * relief(d)),
-        |d| {
-            let light = 0.7 + 0.5 * relief(d);
-            [70.0, 105.0, 40.0].map(|c| (c * light).clamp(0.0, 255.0) as u8)
-        },
-    )
+    crown(128, CENTER_M, |_| 3.0, |_| [90, 120, 50])
 }
 
 /// What `draw` makes of a view of the crown alone.
@@ -76,7 +43,7 @@ fn distances(crown: &Crown, camera: &Camera, settings: &RenderSettings) -> Image
 }
 
 fn front() -> Camera {
-    Camera::framing(DVec3::new(0.0, 5.0, 0.0), 3.3, (0.0, 0.0), 1.0)
+    Camera::framing(CENTER_M, 3.3, (0.0, 0.0), 1.0)
 }
 
 fn square(size: u32, view: View) -> RenderSettings {
@@ -98,13 +65,13 @@ fn ray(camera: &Camera, size: u32, x: u32, y: u32) -> DVec3 {
 
 /// How near a ray from the eye comes to the centre of the crown.
 fn distance_to_center(camera: &Camera, ray: DVec3) -> f64 {
-    let eye = camera.eye_m() - DVec3::new(0.0, 5.0, 0.0);
+    let eye = camera.eye_m() - CENTER_M;
     (eye - ray * eye.dot(ray)).length()
 }
 
 /// Where a ray from the eye meets the ball of radius 3, from its centre.
 fn on_ball(camera: &Camera, ray: DVec3) -> Option<DVec3> {
-    let eye = camera.eye_m() - DVec3::new(0.0, 5.0, 0.0);
+    let eye = camera.eye_m() - CENTER_M;
     let along = eye.dot(ray);
     let room = 9.0 - (eye - ray * along).length_squared();
     (room > 0.0).then(|| eye + ray * (-along - room.sqrt()))
@@ -139,7 +106,7 @@ fn a_ball_is_the_analytic_ball() {
                 let normal = DVec3::from([0, 1, 2].map(|i| linear(texel[i]))) * 2.0 - DVec3::ONE;
                 let off = libm::acos(normal.normalize().dot(point / 3.0).min(1.0)).to_degrees();
                 assert!(off < 1.0, "{x} {y}: {off} degrees");
-                let there = point + DVec3::new(0.0, 5.0, 0.0) - camera.eye_m();
+                let there = point + CENTER_M - camera.eye_m();
                 let exact = there.dot(camera.axes().forward);
                 let off = (f64::from(depths.at(x, y)) - exact).abs();
                 assert!(off < binary_step, "{x} {y}: {off} m");
@@ -169,7 +136,7 @@ fn differing(one: &Image<Straight>, other: &Image<Straight>, allowed: u8) -> f64
 
 #[test]
 fn shortcuts_change_what_a_ray_costs_and_not_what_it_finds() {
-    let lumpy = lumpy();
+    let lumpy = lumpy(CENTER_M);
     let with = |shortcut: Shortcut, view: View| {
         let mut settings = square(192, view);
         settings.relief.shortcut = shortcut;
@@ -192,6 +159,7 @@ fn no_edge_of_the_cube_lets_light_through() {
     // Noise of the finest grain, which is nowhere continuous from face to face.
     let noisy = crown(
         64,
+        CENTER_M,
         |d| {
             let hash = libm::sin(d.x * 913.0 + d.y * 717.0 + d.z * 501.0) * 4371.0;
             2.0 + hash - hash.floor()
@@ -217,7 +185,7 @@ fn no_edge_of_the_cube_lets_light_through() {
 
 #[test]
 fn the_number_of_threads_changes_nothing() {
-    let lumpy = lumpy();
+    let lumpy = lumpy(CENTER_M);
     let settings = square(96, View::Picture);
     let with = |threads| {
         boscage::base::with_threads(Some(threads), || picture(&lumpy, &front(), &settings)).unwrap()
@@ -252,7 +220,7 @@ fn at_the_switch(mode: Mode) -> RenderSettings {
 
 #[test]
 fn forms_have_one_outline_where_they_change() {
-    let lumpy = lumpy();
+    let lumpy = lumpy(CENTER_M);
     for (yaw, pitch) in [(0.0, 5.0), (70.0, 20.0)] {
         let camera = front().orbited(yaw, pitch).zoomed(1.8);
         let relief = picture(&lumpy, &camera, &at_the_switch(Mode::Relief));
@@ -274,7 +242,7 @@ fn change(one: &Image<Straight>, other: &Image<Straight>) -> f64 {
 
 #[test]
 fn nothing_pops_on_the_way_through_the_switch() {
-    let lumpy = lumpy();
+    let lumpy = lumpy(CENTER_M);
     let mut settings = at_the_switch(Mode::Switched);
     settings.size = (120, 120);
     let begin = front().zoomed(1.8);
@@ -301,7 +269,7 @@ fn pictures_to_look_at() {
     };
     let mut settings = square(512, View::Picture);
     settings.fineness = 2;
-    for (name, crown) in [("ball", ball()), ("lumpy", lumpy())] {
+    for (name, crown) in [("ball", ball()), ("lumpy", lumpy(CENTER_M))] {
         for (side, yaw, pitch) in [("front", 0.0, 10.0), ("top", 30.0, 70.0)] {
             let image = picture(&crown, &front().orbited(yaw, pitch), &settings);
             let png = boscage::raster::encode_png(&image, Default::default());

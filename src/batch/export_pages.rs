@@ -12,7 +12,7 @@ use crate::export::{
 };
 use crate::raster::{Compression, Image, Rect, Straight, encode_opaque_png, encode_png, resized};
 use crate::segment::{Classical, SegmentError, Segmenter as _};
-use crate::variation::{Season, SeasonSettings, Tree, is_evergreen, put_in_season};
+use crate::variation::{Season, SeasonSettings, Tree, put_in_season};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -324,7 +324,7 @@ fn in_seasons(
         image: summer,
         labels,
     };
-    let evergreen = evergreen || is_evergreen(&tree, cancel)?;
+    let evergreen = evergreen.then_some(true);
     let row = |season: Option<Season>, snow: f64| {
         let mut tree = tree.clone();
         let settings = SeasonSettings {

@@ -5,7 +5,7 @@
 use super::choice::giver;
 use super::{
     Chosen, Histogram, HslShift, IndividualSettings, Library, Part, SeasonSettings, Tree,
-    has_fronds, is_evergreen, make_individual, named_evergreen, put_in_season, reshape,
+    has_fronds, make_individual, named_evergreen, put_in_season, reshape,
 };
 use crate::base::{Cancel, Cancelled, Seed};
 use crate::segment::Label;
@@ -150,10 +150,7 @@ impl Finish {
             }
         }
         if let Some(season) = &self.season {
-            let evergreen = match season.evergreen {
-                Some(evergreen) => evergreen,
-                None => is_evergreen(tree, cancel)?,
-            };
+            let evergreen = season.evergreen;
             put_in_season(tree, &season.settings, evergreen, like, seed, cancel)?;
         }
         Ok(())

@@ -127,7 +127,15 @@ fn season_rows(variation: Variation, cancel: &Cancel) -> Result<Vec<Row>, Failur
     let put = |name: &'static str, season: Season| {
         measured(name, cancel, || {
             let settings = SeasonSettings::of(season);
-            put_in_season(&mut tree.clone(), &settings, false, None, Seed(0), cancel)
+            let evergreen = Some(false);
+            put_in_season(
+                &mut tree.clone(),
+                &settings,
+                evergreen,
+                None,
+                Seed(0),
+                cancel,
+            )
         })
     };
     let mut rows = vec![

@@ -67,37 +67,49 @@ pub(super) fn turn(
         (Season::Autumn, None) => random.between(0.25, 0.95),
         _ => 1.0,
     };
-    let field = Field::new(tree, leaves, &mut random);
-    let ranks = field.ranks();
-    cancel.check()?;
-    let is_autumn = season == Season::Autumn;
+    // In autumn each leaf turns in its time, otherwise all alike.
+    let field = match season {
+        Season::Autumn => Some(Field::new(tree, leaves, &mut random, cancel)?),
+        _ => None,
+    };
     let width = tree.image.width() as usize;
     let rows = tree.image.pixels_mut().par_chunks_mut(width).enumerate();
-    rows.for_each(|(y, row)| {
+    rows.try_for_each(|(y, row)| {
+        cancel.check()?;
         for (x, pixel) in row.iter_mut().enumerate() {
             let at = y * width + x;
             let share = f64::from(leaves.share.pixels()[at]);
             if share <= 0.0 || pixel.alpha() == 0 {
                 continue;
             }
-            let (turned, place) = if is_autumn {
-                let turned = turned(ranks[at], amount);
-                let own = ends + 0.3 * (field.tint[at] - 0.5) + 0.1 * (ranks[at] - 0.5);
-                (turned, own.clamp(0.0, 1.0))
-            } else {
-                (amount, 1.0)
+            let (turned, place) = match &field {
+                Some(Field { ranks, tint }) => {
+                    let own = ends + 0.3 * (tint[at] - 0.5) + 0.1 * (ranks[at] - 0.5);
+                    (turned(ranks[at], amount), own.clamp(0.0, 1.0))
+                }
+                None => (amount, 1.0),
             };
             *pixel = path.color(*pixel, leaves.light.pixels()[at], turned * share, place);
         }
-    });
-    Ok(())
+        Ok(())
+    })
 }
 
 /// For each pixel how far it has turned, or fallen, when `amount` of the crown's leaves have.
-pub(super) fn turned_shares(tree: &Tree, leaves: &Leaves, amount: f64, seed: Seed) -> Vec<f64> {
-    let field = Field::new(tree, leaves, &mut seed.derive("season", 1).random());
-    let ranks = field.ranks();
-    ranks.into_iter().map(|rank| turned(rank, amount)).collect()
+///
+/// # Errors
+/// [`Cancelled`].
+pub(super) fn turned_shares(
+    tree: &Tree,
+    leaves: &Leaves,
+    amount: f64,
+    seed: Seed,
+    cancel: &Cancel,
+) -> Result<Vec<f64>, Cancelled> {
+    let random = &mut seed.derive("season", 1).random();
+    let field = Field::new(tree, leaves, random, cancel)?;
+    let shares = field.ranks.into_par_iter();
+    Ok(shares.map(|rank| turned(rank, amount)).collect())
 }
 
 /// How far leaves of this rank, 1 for the earliest, have turned when `amount` of the crown has.
@@ -107,18 +119,16 @@ fn turned(rank: f64, amount: f64) -> f64 {
 }
 
 /// The colours that leaves go through.
-struct Path<'a> {
-    /// For each light of the crown its rank, 0 to 1.
-    rank: [f64; 256],
+struct Path {
+    /// The palettes of the path: for each light of the crown the colour of its rank.
+    ramps: Vec<[[f64; 3]; 256]>,
     /// Mean colour of the crown's pixels of each light.
     mean: [[f64; 3]; 256],
-    ramps: &'static [Ramp],
-    like: Option<(Transfer, &'a Histogram)>,
+    like: Option<Transfer>,
 }
 
-impl<'a> Path<'a> {
-    fn new(tree: &Tree, leaves: &Leaves, season: Season, like: Option<&'a Histogram>) -> Self {
-        let crown = Histogram::of_label(&tree.image, &tree.labels, Label::Crown);
+impl Path {
+    fn new(tree: &Tree, leaves: &Leaves, season: Season, like: Option<&Histogram>) -> Self {
         let mut counts = [0.0f64; 256];
         let mut sums = [[0.0f64; 3]; 256];
         let pixels = tree.image.pixels().iter().zip(leaves.light.pixels());
@@ -141,15 +151,19 @@ impl<'a> Path<'a> {
         for ((mean, sums), count) in mean.iter_mut().zip(sums).zip(counts) {
             *mean = sums.map(|sum| sum / count.max(1e-9));
         }
+        let ramps: &[Ramp] = match season {
+            Season::Spring => &SPRING,
+            Season::Autumn => &AUTUMN,
+            Season::Summer | Season::Winter => &SUMMER,
+        };
+        let of_lights = |ramp: &Ramp| rank.map(|rank| on_ramp(ramp, rank));
         Self {
-            rank,
             mean,
-            ramps: match season {
-                Season::Spring => &SPRING,
-                Season::Autumn => &AUTUMN,
-                Season::Summer | Season::Winter => &SUMMER,
-            },
-            like: like.map(|like| (Transfer::between(&crown, like), like)),
+            ramps: ramps.iter().map(of_lights).collect(),
+            like: like.map(|like| {
+                let crown = Histogram::of_label(&tree.image, &tree.labels, Label::Crown);
+                Transfer::between(&crown, like)
+            }),
         }
     }
 
@@ -158,13 +172,13 @@ impl<'a> Path<'a> {
         let [r, g, b, alpha] = pixel.0;
         let own = [r, g, b].map(f64::from);
         let target = match &self.like {
-            Some((transfer, _)) => {
+            Some(transfer) => {
                 let [r, g, b, _] = transfer.applied(pixel).0;
                 [r, g, b].map(f64::from)
             }
             None => {
                 let light = usize::from(light);
-                let ramp = self.on_path(place * turned, self.rank[light]);
+                let ramp = self.on_path(place * turned, light);
                 let rest = |c: usize| OWN_COLOR * (own[c] - self.mean[light][c]);
                 [0, 1, 2].map(|c| ramp[c] + rest(c))
             }
@@ -173,12 +187,12 @@ impl<'a> Path<'a> {
         Straight([mixed(0) as u8, mixed(1) as u8, mixed(2) as u8, alpha])
     }
 
-    fn on_path(&self, place: f64, rank: f64) -> [f64; 3] {
+    /// The colour of leaves of this light at `place` of the path.
+    fn on_path(&self, place: f64, light: usize) -> [f64; 3] {
         let last = self.ramps.len() - 1;
         let along = place * last as f64;
         let at = (along as usize).min(last.saturating_sub(1));
-        let (from, to) = (&self.ramps[at], &self.ramps[(at + 1).min(last)]);
-        let (from, to) = (on_ramp(from, rank), on_ramp(to, rank));
+        let (from, to) = (self.ramps[at][light], self.ramps[(at + 1).min(last)][light]);
         let share = (along - at as f64).clamp(0.0, 1.0);
         [0, 1, 2].map(|c| from[c] + (to[c] - from[c]) * share)
     }
@@ -196,74 +210,73 @@ fn on_ramp(ramp: &Ramp, rank: f64) -> [f64; 3] {
 
 /// What decides when and how leaves turn, pixel by pixel.
 struct Field {
-    /// Larger for leaves that turn earlier.
-    earliness: Vec<f64>,
-    /// Whether the pixel is leaf.
-    is_leaf: Vec<bool>,
+    /// For each leaf the share of the crown that turns later.
+    ranks: Vec<f64>,
     /// Where on the path a clump ends compared with others, 0 to 1.
     tint: Vec<f64>,
 }
 
 impl Field {
-    fn new(tree: &Tree, leaves: &Leaves, random: &mut Random) -> Self {
+    fn new(
+        tree: &Tree,
+        leaves: &Leaves,
+        random: &mut Random,
+        cancel: &Cancel,
+    ) -> Result<Self, Cancelled> {
         let bounds = leaves.bounds;
         let height = f64::from(bounds.height);
         let middle = f64::from(bounds.x) + 0.5 * f64::from(bounds.width);
         let [clumps, leafage, tints] = [0; 3].map(|_| Noise::new(random));
-        let width = tree.image.width();
-        let places = (0..tree.image.height()).flat_map(|y| (0..width).map(move |x| (x, y)));
-        let values = places.zip(leaves.relief.pixels()).map(|((x, y), relief)| {
-            let (x, y) = (f64::from(x), f64::from(y));
+        let width = tree.image.width() as usize;
+        let count = tree.image.pixels().len();
+        // Larger for leaves that turn earlier; what is no leaf is out of the count.
+        let (mut earliness, mut tint) = (vec![f64::NEG_INFINITY; count], vec![0.0; count]);
+        let rows = earliness.par_chunks_mut(width);
+        let rows = rows.zip(tint.par_chunks_mut(width)).enumerate();
+        rows.try_for_each(|(row, (earliness, tint))| {
+            cancel.check()?;
+            let y = row as f64;
             let down = (y - f64::from(bounds.y)) / height;
-            let aside = 2.0 * (x - middle).abs() / f64::from(bounds.width);
-            let at = [x / height * CLUMPS, y / height * CLUMPS];
-            let clump = clumps.at(at) + 0.5 * leafage.at(at.map(|v| 3.1 * v));
-            let earliness = 0.95 * (1.0 - down)
-                + 0.45 * aside * aside
-                + 1.1 * clump
-                + 0.12 * f64::from(*relief).clamp(-2.0, 2.0);
-            (earliness, tints.at(at.map(|v| 0.8 * v)))
-        });
-        let (earliness, tint) = values.unzip();
-        Self {
-            earliness,
-            tint,
-            is_leaf: leaves
-                .share
-                .pixels()
-                .iter()
-                .map(|share| *share > 0.0)
-                .collect(),
-        }
+            let high = y / height * CLUMPS;
+            let mut clumps = clumps.row(high);
+            let mut leafage = leafage.row(3.1 * high);
+            let mut tints = tints.row(0.8 * high);
+            let (shares, relief) = (leaves.share.row(row as u32), leaves.relief.row(row as u32));
+            for x in (0..width).filter(|&x| shares[x] > 0.0) {
+                let aside = 2.0 * (x as f64 - middle).abs() / f64::from(bounds.width);
+                let along = x as f64 / height * CLUMPS;
+                let clump = clumps.at(along) + 0.5 * leafage.at(3.1 * along);
+                earliness[x] = 0.95 * (1.0 - down)
+                    + 0.45 * aside * aside
+                    + 1.1 * clump
+                    + 0.12 * f64::from(relief[x]).clamp(-2.0, 2.0);
+                tint[x] = tints.at(0.8 * along);
+            }
+            Ok(())
+        })?;
+        let ranks = ranks(&earliness);
+        Ok(Self { ranks, tint })
     }
+}
 
-    /// For each leaf the share of the crown that turns later.
-    fn ranks(&self) -> Vec<f64> {
-        const BINS: usize = 4096;
-        let (low, high) = (-1.5, 4.0);
-        let bin = |value: f64| {
-            (((value - low) / (high - low) * BINS as f64) as i64).clamp(0, BINS as i64 - 1) as usize
-        };
-        let mut counts = vec![0.0f64; BINS];
-        for (value, _) in self
-            .earliness
-            .iter()
-            .zip(&self.is_leaf)
-            .filter(|(_, leaf)| **leaf)
-        {
-            counts[bin(*value)] += 1.0;
-        }
-        let all: f64 = counts.iter().sum::<f64>().max(1.0);
-        let mut below = 0.0;
-        for count in &mut counts {
-            below += *count;
-            *count = below / all;
-        }
-        self.earliness
-            .iter()
-            .map(|value| counts[bin(*value)])
-            .collect()
+/// For each of `values` the share of those that are not larger; of the finite ones.
+fn ranks(values: &[f64]) -> Vec<f64> {
+    const BINS: usize = 4096;
+    let (low, high) = (-1.5, 4.0);
+    let bin = |value: f64| {
+        (((value - low) / (high - low) * BINS as f64) as i64).clamp(0, BINS as i64 - 1) as usize
+    };
+    let mut counts = vec![0.0f64; BINS];
+    for value in values.iter().filter(|value| value.is_finite()) {
+        counts[bin(*value)] += 1.0;
     }
+    let all: f64 = counts.iter().sum::<f64>().max(1.0);
+    let mut below = 0.0;
+    for count in &mut counts {
+        below += *count;
+        *count = below / all;
+    }
+    values.par_iter().map(|value| counts[bin(*value)]).collect()
 }
 
 /// The colours of a picture's pixels, light by light; kept for what only needs light.

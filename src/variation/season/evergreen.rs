@@ -60,9 +60,12 @@ pub fn named_evergreen(name: &str) -> Option<bool> {
 /// # Errors
 /// [`Cancelled`].
 pub fn is_evergreen(tree: &Tree, cancel: &Cancel) -> Result<bool, Cancelled> {
-    let Some(leaves) = Leaves::of(tree, cancel)? else {
-        return Ok(false);
-    };
+    let leaves = Leaves::of(tree, cancel)?;
+    Ok(leaves.is_some_and(|leaves| looks_evergreen(tree, &leaves)))
+}
+
+/// The same of a tree whose leaves are known.
+pub(super) fn looks_evergreen(tree: &Tree, leaves: &Leaves) -> bool {
     let crown = tree.labels.map(|label| *label == Label::Crown);
     let lights = leaves.light.pixels().iter().zip(crown.pixels());
     let (mut sum, mut count) = (0.0, 0.0f64);
@@ -73,7 +76,7 @@ pub fn is_evergreen(tree: &Tree, cancel: &Cancel) -> Result<bool, Cancelled> {
     let mean = sum / count.max(1.0);
     // Real spruces and firs have a mean light of 40 to 75 and a taper of 0.15 to 0.35; round crowns one of 0.4 and more.
     let tapers = taper(&crown, leaves.bounds) < 0.36;
-    Ok(tapers && mean < 76.0 && leaves.are_green())
+    tapers && mean < 76.0 && leaves.are_green()
 }
 
 /// Mean width of the crown's upper quarter, as a share of its lower half's.

@@ -4,6 +4,7 @@ use crate::base::{Cancel, Cancelled};
 use crate::raster::{Image, Rect, Straight, opaque_bounds, smoothed_within};
 use crate::segment::Label;
 use crate::variation::{Tree, hsl};
+use rayon::prelude::*;
 
 /// Hues of leaves, in turns: from orange to blue-green.
 const LEAF_HUES: [f64; 2] = [24.0 / 360.0, 175.0 / 360.0];
@@ -40,16 +41,17 @@ impl Leaves {
             return Ok(None);
         };
         let light = tree.image.map(|pixel| light(*pixel));
-        let share = share_of_leaf(tree);
-        let (mut all, mut leafy, mut green) = (0.0, 0.0, 0.0);
-        let pixels = tree.image.pixels().iter().zip(share.pixels());
-        for ((pixel, share), _) in pixels.zip(crown.pixels()).filter(|(_, crown)| **crown) {
-            all += 1.0;
-            leafy += f64::from(*share);
-            green += f64::from(u8::from(
-                is_between(hue(*pixel), GREEN_HUES) && *share > 0.3,
-            ));
-        }
+        let pixels = tree.image.pixels().par_iter().zip(tree.labels.pixels());
+        let (share, is_green): (Vec<f32>, Vec<bool>) = pixels
+            .map(|(pixel, label)| match label {
+                Label::Crown => leafage(*pixel),
+                _ => (0.0, false),
+            })
+            .unzip();
+        let all = crown.count() as f64;
+        let leafy: f64 = share.iter().map(|share| f64::from(*share)).sum();
+        let green = is_green.into_iter().filter(|green| *green).count() as f64;
+        let share = Image::from_pixels(light.width(), light.height(), share);
         let values = light.map(|&light| f32::from(light));
         let sigma = f64::from(bounds.height) / 40.0;
         let mean = smoothed_within(&values, &crown, sigma, cancel)?;
@@ -78,6 +80,12 @@ impl Leaves {
         }))
     }
 
+    /// Pixels that are leaf.
+    pub(super) fn count(&self) -> usize {
+        let share = self.share.pixels().iter();
+        share.filter(|share| **share > 0.0).count()
+    }
+
     /// Whether most of the crown is green.
     pub(super) fn are_green(&self) -> bool {
         self.green > 0.4
@@ -101,29 +109,24 @@ fn extent(crown: &crate::raster::Mask, bounds: Rect) -> f64 {
     widths.sum()
 }
 
-fn share_of_leaf(tree: &Tree) -> Image<f32> {
-    let pixels = tree.image.pixels().iter().zip(tree.labels.pixels());
-    let share = pixels.map(|(pixel, label)| {
-        if *label != Label::Crown {
-            return 0.0;
-        }
-        let [r, g, b, _] = pixel.0;
-        let [hue, saturation, lightness] = hsl([r, g, b]);
-        // In deep shade colour means little, and most of it is leaf.
-        let dark = (1.6 - lightness / 0.09).clamp(0.0, 1.0);
-        if !is_between(hue, LEAF_HUES) {
-            return dark as f32;
-        }
-        let [low, high] = SATURATION;
-        let coloured = ((saturation - low) / (high - low)).clamp(0.0, 1.0);
-        coloured.max(dark) as f32
-    });
-    Image::from_pixels(tree.image.width(), tree.image.height(), share.collect())
+/// Whether a pixel shows a green leaf.
+pub(super) fn is_green_leaf(pixel: Straight) -> bool {
+    leafage(pixel).1
 }
 
-fn hue(pixel: Straight) -> f64 {
+/// How much a pixel of a crown is leaf, 0 to 1, and whether it is a green one.
+fn leafage(pixel: Straight) -> (f32, bool) {
     let [r, g, b, _] = pixel.0;
-    hsl([r, g, b])[0]
+    let [hue, saturation, lightness] = hsl([r, g, b]);
+    // In deep shade colour means little, and most of it is leaf.
+    let dark = (1.6 - lightness / 0.09).clamp(0.0, 1.0);
+    let [low, high] = SATURATION;
+    let coloured = match is_between(hue, LEAF_HUES) {
+        true => ((saturation - low) / (high - low)).clamp(0.0, 1.0),
+        false => 0.0,
+    };
+    let share = coloured.max(dark) as f32;
+    (share, is_between(hue, GREEN_HUES) && share > 0.3)
 }
 
 fn is_between(value: f64, [low, high]: [f64; 2]) -> bool {

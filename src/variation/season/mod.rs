@@ -12,9 +12,11 @@
 
 mod colors;
 mod evergreen;
+mod growth;
 mod leaves;
 mod snow;
 mod winter;
+mod wood;
 
 use super::{Histogram, Tree};
 use crate::base::{Cancel, Cancelled, Seed};
@@ -65,7 +67,8 @@ impl SeasonSettings {
     }
 }
 
-/// Puts `tree` into a season. `evergreen` trees keep leaves and colours, but for the snow; `like`
+/// Puts `tree` into a season. `evergreen` trees keep leaves and colours, but for the snow; where it is not told,
+/// their looks decide as for [`is_evergreen`]. `like`
 /// gives the colours of turned leaves instead of the built-in palette. Where leaves turn first is drawn
 /// from `seed`. Labels change where leaves fall.
 ///
@@ -74,13 +77,15 @@ impl SeasonSettings {
 pub fn put_in_season(
     tree: &mut Tree,
     settings: &SeasonSettings,
-    evergreen: bool,
+    evergreen: Option<bool>,
     like: Option<&Histogram>,
     seed: Seed,
     cancel: &Cancel,
 ) -> Result<(), Cancelled> {
     let leaves = Leaves::of(tree, cancel)?;
-    if !evergreen && let Some(leaves) = &leaves {
+    if let Some(leaves) = &leaves
+        && !evergreen.unwrap_or_else(|| evergreen::looks_evergreen(tree, leaves))
+    {
         match settings.season {
             Season::Winter => {
                 if !leaves.are_fallen() {
@@ -118,7 +123,7 @@ mod tests {
         put_in_season(
             &mut tree,
             &settings,
-            evergreen,
+            Some(evergreen),
             None,
             Seed(5),
             &Cancel::new(),
@@ -194,6 +199,30 @@ mod tests {
         let high = (0..wood.height() / 4)
             .any(|y| (0..wood.width()).any(|x| parts.at(x, y) == trunk && wood.at(x, y)));
         assert!(high);
+    }
+
+    #[test]
+    fn the_trunk_goes_on_as_thick_as_it_was() {
+        for name in ["oak", "maple", "linden"] {
+            let tree = sample(name);
+            let winter = put(&tree, Season::Winter, 1.0, 0.0, false);
+            // The longest run of wood in a row.
+            let run = |y: u32| {
+                let row = winter.image.row(y);
+                let runs = row.split(|pixel| pixel.alpha() < 128).map(<[_]>::len);
+                runs.max().unwrap_or(0) as f64
+            };
+            let height = tree.image.height();
+            let is_trunk = |y: &u32| {
+                let row = tree.labels.row(*y).iter();
+                run(*y) > 0.0
+                    && row.filter(|label| **label == Label::Trunk).count() as f64 > 0.7 * run(*y)
+            };
+            let top = (height / 2..height).find(is_trunk).unwrap();
+            let step = height / 60;
+            let (above, below) = (run(top - step), run(top + 2 * step));
+            assert!(above > 0.65 * below, "{name}: {above} above {below}");
+        }
     }
 
     #[test]

@@ -15,7 +15,7 @@ use crate::variation::{Histogram, Transfer, Tree};
 use rayon::prelude::*;
 
 /// Colours of leaves from shade to light: at the darkest, the middle and the lightest of them.
-type Ramp = [[f64; 3]; 3];
+pub(super) type Ramp = [[f64; 3]; 3];
 
 const SPRING: [Ramp; 1] = [[
     [30.0, 44.0, 12.0],
@@ -279,7 +279,7 @@ fn ranks(values: &[f64]) -> Vec<f64> {
     values.par_iter().map(|value| counts[bin(*value)]).collect()
 }
 
-/// The colours of a picture's pixels, light by light; kept for what only needs light.
-pub(super) fn ramp_of(dark: [f64; 3], middle: [f64; 3], light: [f64; 3], rank: f64) -> [u8; 3] {
-    on_ramp(&[dark, middle, light], rank).map(|v| (v + 0.5).clamp(0.0, 255.0) as u8)
+/// The colour of a ramp where light has this rank.
+pub(super) fn ramp_of(ramp: &Ramp, rank: f64) -> [u8; 3] {
+    on_ramp(ramp, rank).map(|v| (v + 0.5).clamp(0.0, 255.0) as u8)
 }

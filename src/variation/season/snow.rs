@@ -4,7 +4,7 @@
 //! on the lit top of a clump, and the more the higher it stands; the best places are covered first.
 //! Snow keeps the light and shade of what it lies on, in the colours of snow.
 
-use super::colors::ramp_of;
+use super::colors::{Ramp, ramp_of};
 use super::leaves::light;
 use crate::base::{Cancel, Cancelled, Seed};
 use crate::raster::{Image, Straight, opaque_bounds, smoothed_within};
@@ -13,7 +13,7 @@ use crate::variation::Tree;
 use crate::variation::noise::Noise;
 
 /// Colours of snow from shade to light.
-const SNOW: [[f64; 3]; 3] = [
+const SNOW: Ramp = [
     [148.0, 164.0, 190.0],
     [214.0, 222.0, 234.0],
     [252.0, 253.0, 255.0],
@@ -99,7 +99,7 @@ fn cover(
         let own = f64::from(light(*pixel)) - f64::from(coarse.pixels()[place]);
         let local = f64::from(fine.pixels()[place] - coarse.pixels()[place]);
         let rank = (0.62 + own / 160.0 + local / 90.0).clamp(0.0, 1.0);
-        let snow = ramp_of(SNOW[0], SNOW[1], SNOW[2], rank);
+        let snow = ramp_of(&SNOW, rank);
         let mixed = |c: usize| {
             let (from, to) = (f64::from(pixel.0[c]), f64::from(snow[c]));
             (from + (to - from) * t + 0.5) as u8

@@ -1,6 +1,6 @@
 //! Limbs drawn as wood: tapered, lit from the upper left, in the colours of the trunk that the picture shows.
 
-use super::colors::ramp_of;
+use super::colors::{Ramp, ramp_of};
 use super::growth::{CROWN_M, Stem};
 use super::leaves::{is_green_leaf, light};
 use crate::base::{Cancel, Cancelled, Seed};
@@ -23,7 +23,7 @@ const TWIG_M: [f32; 2] = [0.015, 0.09];
 const SHADED_M: f32 = 2.5;
 
 /// Colours of bark where the picture shows too little of its own.
-const BARK: [[f64; 3]; 3] = [
+const BARK: Ramp = [
     [44.0, 37.0, 32.0],
     [94.0, 83.0, 72.0],
     [156.0, 145.0, 130.0],
@@ -31,9 +31,6 @@ const BARK: [[f64; 3]; 3] = [
 
 /// Fewest trunk pixels that tell the bark's colours.
 const LEAST_BARK: usize = 150;
-
-/// Colours from shade to light.
-type Ramp = [[f64; 3]; 3];
 
 /// How the wood of a tree looks.
 pub(super) struct Bark {
@@ -88,7 +85,7 @@ impl Bark {
             let (twig, trunk) = (self.twigs[step], self.trunk[step]);
             [0, 1, 2].map(|c| twig[c] + (trunk[c] - twig[c]) * share)
         });
-        ramp_of(ramp[0], ramp[1], ramp[2], rank)
+        ramp_of(&ramp, rank)
     }
 }
 

@@ -345,7 +345,7 @@ impl Batch {
                 shard: Shard::default(),
                 progress,
                 cancel: context.cancel(),
-                output: Output::new(policy),
+                output: Output::new(policy, context.cancel()),
                 gate: Some(&gate),
                 shown: Some(&shown),
             };

@@ -90,7 +90,7 @@ impl CrownBatch {
                 shard: Shard::default(),
                 progress,
                 cancel: context.cancel(),
-                output: Output::new(policy),
+                output: Output::new(policy, context.cancel()),
                 gate: Some(&gate),
                 shown: None,
             };

@@ -85,7 +85,21 @@ pub fn changed_at(path: &Path) -> Option<std::time::SystemTime> {
 /// # Errors
 /// [`FileError::Write`].
 pub fn write_atomic(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
-    Part::written(path, bytes)?.persist(&may_name())
+    write_atomic_while(path, bytes, || Ok(()))
+}
+
+/// [`write_atomic`] that asks `go_on` every few milliseconds until the bytes are on the disk; what it
+/// says no with is given back, and nothing is left behind.
+///
+/// # Errors
+/// Those of `go_on`, and [`FileError::Write`].
+pub fn write_atomic_while<E: From<FileError>>(
+    path: &Path,
+    bytes: &[u8],
+    go_on: impl FnMut() -> Result<(), E>,
+) -> Result<(), E> {
+    let part = Part::written(path, bytes, go_on)?;
+    Ok(part.persist(&may_name())?)
 }
 
 /// Makes the names in the folder of `path` survive a loss of power: until then a file that was
@@ -120,8 +134,8 @@ pub fn folder_of(path: &Path) -> &Path {
 }
 
 /// Writes `files` (path and content), making their folders where needed, all or nothing: no name
-/// is taken before all bytes are on the disk. `go_on` is asked before each; what it says no with
-/// is given back, and no file and no folder is left behind.
+/// is taken before all bytes are on the disk. `go_on` is asked as in [`write_atomic_while`]; when it
+/// says no, no file and no folder is left behind.
 ///
 /// A disk that fails between the names being taken leaves the first of the files.
 ///
@@ -134,8 +148,7 @@ pub fn write_all_atomic<E: From<FileError>>(
     let folders = missing_folders(files.iter().map(|(path, _)| path.as_path()));
     let mut parts = Vec::with_capacity(files.len());
     let outcome = files.iter().try_for_each(|(path, bytes)| {
-        go_on()?;
-        parts.push(Part::written(path, bytes)?);
+        parts.push(Part::written(path, bytes, &mut go_on)?);
         Ok(())
     });
     let outcome = outcome.and_then(|()| go_on());
@@ -222,6 +235,32 @@ mod tests {
     }
 
     #[test]
+    fn a_large_file_is_given_up_on_the_way_and_the_old_one_stays() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("crown.obj");
+        write_atomic(&path, b"old").unwrap();
+        let large = vec![7u8; 5 << 20];
+        let mut asked = 0;
+        let outcome = write_atomic_while(&path, &large, || {
+            asked += 1;
+            (asked < 3).then_some(()).ok_or_else(stopped)
+        });
+        assert!(matches!(outcome, Err(FileError::Read { .. })));
+        assert_eq!(asked, 3, "two steps were on the disk");
+        assert_eq!(read_limited(&path, 3).unwrap(), b"old");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+        write_atomic(&path, &large).unwrap();
+        assert_eq!(read_limited(&path, 5 << 20).unwrap(), large);
+    }
+
+    fn stopped() -> FileError {
+        FileError::Read {
+            path: PathBuf::from("stopped"),
+            reason: std::io::ErrorKind::Interrupted.into(),
+        }
+    }
+
+    #[test]
     fn a_batch_is_written_whole_or_leaves_nothing() {
         let folder = tempfile::tempdir().unwrap();
         let files: Vec<(PathBuf, Vec<u8>)> = ["a/b/one", "a/b/two", "a/three"]
@@ -231,13 +270,7 @@ mod tests {
             let mut asked = 0;
             let outcome = write_all_atomic(&files, || {
                 asked += 1;
-                match asked > stop {
-                    true => Err(FileError::Read {
-                        path: PathBuf::from("stopped"),
-                        reason: std::io::ErrorKind::Interrupted.into(),
-                    }),
-                    false => Ok(()),
-                }
+                (asked <= stop).then_some(()).ok_or_else(stopped)
             });
             assert!(matches!(outcome, Err(FileError::Read { .. })));
             assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0, "{stop}");

@@ -17,6 +17,7 @@ mod text;
 pub use cancel::{Cancel, Cancelled};
 pub use file::{
     FileError, changed_at, folder_of, read_limited, sync_names, write_all_atomic, write_atomic,
+    write_atomic_while,
 };
 pub use hash::{Digest, Hasher, NoDigest};
 pub use memory::{EndingAllocator, asking_for_memory, return_free_memory};

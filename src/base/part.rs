@@ -16,6 +16,10 @@ const PART_END: &str = ".part";
 /// A part that was touched so recently may be somebody's who has not locked it yet.
 const PART_IS_FRESH: Duration = Duration::from_secs(10);
 
+/// Bytes that go to the disk at once: a system neither removes a file nor ends a process before the
+/// step is done that it is in, and a command that is cancelled has 100 ms.
+const STEP_BYTES: usize = 2 << 20;
+
 /// Removes what processes that were killed left of files they were writing, in `folder` and, to
 /// `depth` levels, the folders in it. What cannot be read or removed stays.
 ///
@@ -96,7 +100,12 @@ pub fn end_writing() {
 }
 
 impl<'a> Part<'a> {
-    pub(super) fn written(path: &'a Path, bytes: &[u8]) -> Result<Self, FileError> {
+    /// Puts `bytes` on the disk step by step, asking `go_on` before each.
+    pub(super) fn written<E: From<FileError>>(
+        path: &'a Path,
+        bytes: &[u8],
+        mut go_on: impl FnMut() -> Result<(), E>,
+    ) -> Result<Self, E> {
         let failed = |reason| unwritten(path, reason);
         let folder = folder_of(path);
         fs::create_dir_all(folder).map_err(failed)?;
@@ -120,8 +129,11 @@ impl<'a> Part<'a> {
         // Tells those who clear up that somebody is at work; where there are no locks its age does.
         #[cfg(unix)]
         let _ = file.as_file().try_lock();
-        file.write_all(bytes).map_err(failed)?;
-        file.as_file().sync_data().map_err(failed)?;
+        for step in bytes.chunks(STEP_BYTES) {
+            go_on()?;
+            file.write_all(step).map_err(failed)?;
+            file.as_file().sync_data().map_err(failed)?;
+        }
         Ok(part)
     }
 
@@ -144,7 +156,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let below = folder.path().join("textures");
         let target = below.join("tree.png");
-        let writing = Part::written(&target, b"half").unwrap();
+        let writing = Part::written::<FileError>(&target, b"half", || Ok(())).unwrap();
         let old = std::time::SystemTime::now() - 2 * PART_IS_FRESH;
         writing.file.as_file().set_modified(old).unwrap();
         let file = |name: &str, is_old: bool| {

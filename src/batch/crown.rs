@@ -131,7 +131,7 @@ pub(super) fn write_crown(
     let files = files.map_err(|error| Failure::of_crown_files(what, &error))?;
     let files = files.into_iter();
     let files = files.map(|(name, bytes)| (folder.join(name), bytes));
-    output.write_items(files.collect(), digest, cancel)
+    output.write_items(files.collect(), digest)
 }
 
 /// The record in a `crown.json`.

@@ -7,7 +7,7 @@
 
 use super::failure::Failure;
 use super::stamp;
-use crate::base::{Cancel, Digest, Hasher, read_limited, write_all_atomic, write_atomic};
+use crate::base::{Cancel, Digest, Hasher, read_limited, write_all_atomic, write_atomic_while};
 use std::path::{Path, PathBuf};
 
 /// What to do when an output exists.
@@ -24,16 +24,20 @@ pub(crate) enum Policy {
 /// Largest file that is read to see whether it can stay; a larger one is made again.
 const LARGEST_KEPT_BYTES: u64 = 1 << 32;
 
-/// Writes files under a [`Policy`].
-#[derive(Debug, Clone, Copy)]
+/// Writes files under a [`Policy`], until it is cancelled.
+#[derive(Debug, Clone)]
 pub(crate) struct Output {
     policy: Policy,
+    cancel: Cancel,
 }
 
 impl Output {
-    /// An output with this policy.
-    pub(crate) fn new(policy: Policy) -> Self {
-        Self { policy }
+    /// An output with this policy; once `cancel` is raised it writes no more.
+    pub(crate) fn new(policy: Policy, cancel: &Cancel) -> Self {
+        Self {
+            policy,
+            cancel: cancel.clone(),
+        }
     }
 
     /// Fails when one of `paths` may not be written because it exists; to be called with all paths
@@ -78,7 +82,7 @@ impl Output {
     /// As [`Output::write_item`].
     pub(crate) fn write_same(&self, path: &Path, content: &[u8]) -> Result<(), Failure> {
         self.check_same(path, content)?;
-        Ok(write_atomic(path, content)?)
+        self.put(path, content)
     }
 
     /// Whether `path` can stay: `--resume` was given, and the file is whole and was made by
@@ -132,7 +136,7 @@ impl Output {
     ///
     /// # Errors
     /// [`Failure::BadInput`] when the file exists and may not be replaced, or when the path cannot
-    /// be written; [`Failure::Environment`] when the disk fails.
+    /// be written; [`Failure::Environment`] when the disk fails; [`Failure::Cancelled`].
     pub(crate) fn write_item(
         &self,
         path: &Path,
@@ -142,23 +146,21 @@ impl Output {
         self.write(path, &stamp::stamped(bytes, recipe))
     }
 
-    /// Writes the items of a job that belong together, all or none: until all of them are on the disk
-    /// `cancel` stops it, and nothing is left behind.
+    /// Writes the items of a job that belong together, all or none.
     ///
     /// # Errors
-    /// As [`Output::write_item`], and [`Failure::Cancelled`].
+    /// As [`Output::write_item`].
     pub(crate) fn write_items(
         &self,
         items: Vec<(PathBuf, Vec<u8>)>,
         recipe: Digest,
-        cancel: &Cancel,
     ) -> Result<(), Failure> {
         self.check(items.iter().map(|(path, _)| path))?;
         let stamped = items
             .into_iter()
             .map(|(path, bytes)| (path, stamp::stamped(bytes, recipe)))
             .collect::<Vec<_>>();
-        write_all_atomic(&stamped, || Ok(cancel.check()?))
+        write_all_atomic(&stamped, || Ok(self.cancel.check()?))
     }
 
     /// Writes a file that is made anew by every run (sheets, lists), atomically.
@@ -167,7 +169,11 @@ impl Output {
     /// As [`Output::write_item`].
     pub(crate) fn write(&self, path: &Path, bytes: &[u8]) -> Result<(), Failure> {
         self.check([path])?;
-        Ok(write_atomic(path, bytes)?)
+        self.put(path, bytes)
+    }
+
+    fn put(&self, path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+        write_atomic_while(path, bytes, || Ok(self.cancel.check()?))
     }
 }
 
@@ -194,15 +200,17 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.png");
         let made = Digest::of(b"one");
-        let refuse = Output::new(Policy::Refuse);
+        let refuse = Output::new(Policy::Refuse, &Cancel::new());
         refuse.write_item(&path, png(), made).unwrap();
         assert!(refuse.write_item(&path, png(), made).is_err());
         assert!(refuse.check([&path]).is_err());
         assert!(!refuse.is_ready(&path, made));
-        let resume = Output::new(Policy::Resume);
+        let resume = Output::new(Policy::Resume, &Cancel::new());
         assert!(resume.is_ready(&path, made));
         assert!(!resume.is_ready(&path, Digest::of(b"two")));
-        Output::new(Policy::Overwrite).write(&path, b"x").unwrap();
+        Output::new(Policy::Overwrite, &Cancel::new())
+            .write(&path, b"x")
+            .unwrap();
         assert!(!resume.is_ready(&path, made));
         resume.write_item(&path, png(), made).unwrap();
         assert!(resume.is_ready(&path, made));
@@ -211,7 +219,7 @@ mod tests {
     #[test]
     fn a_folder_in_the_place_of_a_file_is_never_written_to() {
         let folder = tempfile::tempdir().unwrap();
-        let output = Output::new(Policy::Overwrite);
+        let output = Output::new(Policy::Overwrite, &Cancel::new());
         assert!(output.check([folder.path()]).is_err());
         assert!(output.write(folder.path(), b"x").is_err());
         assert!(fs::read_dir(folder.path()).unwrap().next().is_none());

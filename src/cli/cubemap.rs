@@ -124,7 +124,7 @@ impl Flags {
         let files = faces.map(|(path, face)| (path, encode_png(face, Compression::Fast)));
         let files = files.collect();
         stage.advance();
-        session.output.write_items(files, recipe, session.cancel)?;
+        session.output.write_items(files, recipe)?;
         stage.advance();
         Ok(())
     }

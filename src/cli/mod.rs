@@ -214,7 +214,7 @@ fn run_job(options: &CommonOptions, job: &dyn Job) -> Result<(), Failure> {
             shard: options.shard,
             progress: Progress::to(&clock),
             cancel: &cancel,
-            output: Output::new(options.policy()),
+            output: Output::new(options.policy(), &cancel),
             gate: None,
             shown: None,
         },
@@ -233,7 +233,7 @@ fn run_job(options: &CommonOptions, job: &dyn Job) -> Result<(), Failure> {
 
 /// How long a command that was asked to stop may take until it is ended where it stands: some of what
 /// it calls (decoders, encoders, drivers) knows no cancelling.
-const GRACE: Duration = Duration::from_millis(60);
+const GRACE: Duration = Duration::from_millis(50);
 
 /// Who tells how the command ended: its own thread or that of the signals, whichever comes first.
 #[derive(Clone, Default)]
@@ -256,7 +256,9 @@ fn end_now(ending: &Ending, reporter: &dyn reporter::FinishingReporter) {
     end_writing();
     reporter.finish(Some(&Failure::Cancelled));
     reporter::print_failure(&Failure::Cancelled);
-    std::process::exit(Failure::Cancelled.status().into());
+    // Without the handlers that libraries leave for the end: a renderer's would take from its threads
+    // what they are working with.
+    signal_hook::low_level::exit(Failure::Cancelled.status().into());
 }
 
 /// Removes the hidden halves of files that an earlier run left where this one goes on, if that was

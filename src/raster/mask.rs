@@ -37,12 +37,8 @@ pub fn opaque_bounds(mask: &Mask) -> Option<Rect> {
     let bottom = (top..mask.height()).rev().find(occupied)?;
     let (mut left, mut right) = (u32::MAX, 0);
     for y in top..=bottom {
-        let row = mask.row(y);
-        if let Some(first) = row.iter().position(|&inside| inside) {
-            left = left.min(first as u32);
-        }
-        if let Some(last) = row.iter().rposition(|&inside| inside) {
-            right = right.max(last as u32);
+        if let Some([first, last]) = row_ends(mask.row(y), |&inside| inside) {
+            (left, right) = (left.min(first as u32), right.max(last as u32));
         }
     }
     Some(Rect {
@@ -51,6 +47,11 @@ pub fn opaque_bounds(mask: &Mask) -> Option<Rect> {
         width: right - left + 1,
         height: bottom - top + 1,
     })
+}
+
+/// First and last place in `row` that `is` what is looked for.
+pub fn row_ends<T>(row: &[T], is: impl Fn(&T) -> bool) -> Option<[usize; 2]> {
+    Some([row.iter().position(&is)?, row.iter().rposition(&is)?])
 }
 
 /// The mask grown by `radius` pixels in all eight directions: what `radius` dilations with a 3×3

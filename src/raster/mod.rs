@@ -34,7 +34,7 @@ pub use image::{Image, Premultiplied, Straight};
 pub(crate) use mask::mask;
 pub use mask::{
     Mask, closed_and_filled, component_sizes, dilated, eroded, flooded_from_outside,
-    labelled_components, opaque_bounds,
+    labelled_components, opaque_bounds, row_ends,
 };
 pub use pyramid::Pyramid;
 pub use read::{

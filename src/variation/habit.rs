@@ -4,7 +4,7 @@
 //! side is much like the other. Poplars and cypresses keep the stem and are columns. Round crowns have
 //! none of that: what makes them vary would make a spire blunt and crooked.
 
-use crate::raster::{Mask, opaque_bounds};
+use crate::raster::{Mask, opaque_bounds, row_ends};
 use crate::segment::{Label, Labels, crown_baseline};
 
 use super::Tree;
@@ -51,9 +51,8 @@ impl Habit {
         }
         let bounds = opaque_bounds(&crown)?;
         let ends = |y: u32| {
-            let row = crown.row(y);
-            let left = row.iter().position(|&is| is)?;
-            Some([left, row.iter().rposition(|&is| is)?].map(|x| x as f64))
+            let ends = row_ends(crown.row(y), |&is| is)?;
+            Some(ends.map(|x| x as f64))
         };
         let rows: Vec<Option<[f64; 2]>> = (bounds.y..bounds.y + bounds.height).map(ends).collect();
         let width = |ends: &Option<[f64; 2]>| ends.map_or(0.0, |[left, right]| right - left + 1.0);

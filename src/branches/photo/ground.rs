@@ -5,7 +5,7 @@ use super::frame::Frame;
 use super::shown;
 use crate::branches::noise::{noise3, ramp};
 use crate::branches::tree::{GrownTree, Tree};
-use crate::raster::Image;
+use crate::raster::{Image, row_ends};
 use glam::Vec3;
 
 /// Length of the longest grass in metres.
@@ -214,10 +214,7 @@ pub(super) fn paint_tuft(frame: &mut Frame, scene: &Scene, shadow: &Shadow) {
     let mut random = scene.seed.derive("tuft", 0).random();
     let alpha = &shadow.alpha;
     let foot = alpha.row(alpha.height() - 1);
-    let (Some(left), Some(right)) = (
-        foot.iter().position(|&a| a > 127),
-        foot.iter().rposition(|&a| a > 127),
-    ) else {
+    let Some([left, right]) = row_ends(foot, |&a| a > 127) else {
         return;
     };
     let start = scene.foot.0 - 0.5 * alpha.width() as f32;

@@ -2,7 +2,7 @@
 
 use super::leaves::Leaves;
 use crate::base::{Cancel, Cancelled};
-use crate::raster::Mask;
+use crate::raster::{Mask, Rect, row_ends};
 use crate::segment::Label;
 use crate::variation::{Tree, named};
 
@@ -80,15 +80,13 @@ pub(super) fn looks_evergreen(tree: &Tree, leaves: &Leaves) -> bool {
 }
 
 /// Mean width of the crown's upper quarter, as a share of its lower half's.
-fn taper(crown: &Mask, bounds: crate::raster::Rect) -> f64 {
+fn taper(crown: &Mask, bounds: Rect) -> f64 {
     let width = |from: f64, to: f64| {
         let row = |share: f64| bounds.y + (share * f64::from(bounds.height)) as u32;
         let rows = row(from)..row(to).max(row(from) + 1).min(bounds.y + bounds.height);
         let count = rows.len().max(1) as f64;
         let widths = rows.filter_map(|y| {
-            let row = crown.row(y);
-            let first = row.iter().position(|&inside| inside)?;
-            let last = row.iter().rposition(|&inside| inside)?;
+            let [first, last] = row_ends(crown.row(y), |&inside| inside)?;
             Some((last - first + 1) as f64)
         });
         widths.sum::<f64>() / count

@@ -9,7 +9,7 @@
 use super::leaves::Leaves;
 use crate::base::{Cancel, Cancelled, Random, Seed};
 use crate::branches::skeleton::{Reach, Skeleton, colonise};
-use crate::raster::Rect;
+use crate::raster::{Rect, row_ends};
 use crate::segment::Label;
 use crate::variation::Tree;
 use glam::{Vec2, Vec3};
@@ -188,12 +188,10 @@ pub(super) fn grown(
 /// Points in the crown, more of them near its surface.
 fn points(leaves: &Leaves, stem: &Stem, random: &mut Random) -> Vec<Vec3> {
     let bounds = leaves.bounds;
-    let rows: Vec<Option<(f32, f32)>> = (bounds.y..bounds.y + bounds.height)
+    let rows: Vec<Option<[f32; 2]>> = (bounds.y..bounds.y + bounds.height)
         .map(|y| {
-            let row = leaves.share.row(y);
-            let first = row.iter().position(|share| *share > 0.0)?;
-            let last = row.iter().rposition(|share| *share > 0.0)?;
-            Some((first as f32, last as f32))
+            let ends = row_ends(leaves.share.row(y), |share| *share > 0.0)?;
+            Some(ends.map(|x| x as f32))
         })
         .collect();
     let mut points = Vec::with_capacity(POINTS);
@@ -204,7 +202,7 @@ fn points(leaves: &Leaves, stem: &Stem, random: &mut Random) -> Vec<Vec3> {
         let x = bounds.x + random.below(bounds.width as usize) as u32;
         let y = bounds.y + random.below(bounds.height as usize) as u32;
         let (deep, wish) = (random.between(-1.0, 1.0) as f32, random.unit() as f32);
-        let Some((first, last)) = rows[(y - bounds.y) as usize] else {
+        let Some([first, last]) = rows[(y - bounds.y) as usize] else {
             continue;
         };
         if leaves.share.at(x, y) <= 0.0 {

@@ -1,7 +1,7 @@
 //! Which pixels of a crown are leaves, how light they are, and how the crown lies in the picture.
 
 use crate::base::{Cancel, Cancelled};
-use crate::raster::{Image, Rect, Straight, opaque_bounds, smoothed_within};
+use crate::raster::{Image, Mask, Rect, Straight, opaque_bounds, row_ends, smoothed_within};
 use crate::segment::Label;
 use crate::variation::{Tree, hsl};
 use rayon::prelude::*;
@@ -98,12 +98,10 @@ impl Leaves {
 }
 
 /// Pixels between the first and the last of each row.
-fn extent(crown: &crate::raster::Mask, bounds: Rect) -> f64 {
+fn extent(crown: &Mask, bounds: Rect) -> f64 {
     let rows = bounds.y..bounds.y + bounds.height;
     let widths = rows.filter_map(|y| {
-        let row = crown.row(y);
-        let first = row.iter().position(|&inside| inside)?;
-        let last = row.iter().rposition(|&inside| inside)?;
+        let [first, last] = row_ends(crown.row(y), |&inside| inside)?;
         Some((last - first + 1) as f64)
     });
     widths.sum()

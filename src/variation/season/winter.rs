@@ -92,7 +92,7 @@ fn uncover(tree: &mut Tree, stem: &Stem, amount: f64) {
     }
 }
 
-/// Clears what hangs on nothing.
+/// Clears what hangs on nothing, and what is faint of leaves before the trunk.
 fn clear_loose(tree: &mut Tree, leaves: &Leaves, amount: f64) {
     let parts = labelled_components(&tree.image.map(|pixel| pixel.alpha() >= 72));
     let sizes = component_sizes(&parts);
@@ -100,8 +100,10 @@ fn clear_loose(tree: &mut Tree, leaves: &Leaves, amount: f64) {
     let most = LOOSE_CLUMP.min(LOOSE / (1.0 - amount).max(1e-3)) * leaves.count() as f64;
     let pixels = tree.image.pixels_mut().iter_mut().zip(parts.pixels());
     for ((pixel, &part), label) in pixels.zip(tree.labels.pixels_mut()) {
-        let is_loose =
-            part > 0 && Some(part as usize) != largest && sizes[part as usize] as f64 <= most;
+        let is_loose = match part as usize {
+            0 => *label == Label::Trunk,
+            part => Some(part) != largest && sizes[part] as f64 <= most,
+        };
         if is_loose && (*label != Label::Trunk || is_green_leaf(*pixel)) {
             (*pixel, *label) = (Straight([0; 4]), Label::Background);
         }

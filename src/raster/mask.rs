@@ -2,7 +2,6 @@
 
 use super::{Image, Rect};
 use imageproc::distance_transform::Norm;
-use imageproc::region_labelling::{Connectivity, connected_components};
 
 /// `true` where a pixel belongs.
 pub type Mask = Image<bool>;
@@ -18,7 +17,7 @@ impl Mask {
         self.pixels().iter().filter(|&&inside| inside).count()
     }
 
-    fn gray_image(&self) -> image::GrayImage {
+    pub(super) fn gray_image(&self) -> image::GrayImage {
         into_gray_image(self.grey())
     }
 }
@@ -78,28 +77,6 @@ pub fn eroded(mask: &Mask, radius: u8) -> Mask {
 /// The mask with gaps and bays up to twice `radius` wide closed, and with all holes filled.
 pub fn closed_and_filled(mask: &Mask, radius: u8) -> Mask {
     eroded(&flooded_from_outside(&dilated(mask, radius)), radius)
-}
-
-/// Number of the 8-connected component of each pixel that belongs: 1, 2, … in the order of their
-/// first pixel from the top; 0 where nothing belongs.
-pub fn labelled_components(mask: &Mask) -> Image<u32> {
-    if mask.pixels().len() == 1 {
-        // imageproc 0.27 panics here: it has room for as many labels as pixels, label 0 included.
-        return mask.map(|&inside| u32::from(inside));
-    }
-    let labels = connected_components(&mask.gray_image(), Connectivity::Eight, image::Luma([0u8]));
-    Image::from_pixels(mask.width(), mask.height(), labels.into_raw())
-}
-
-/// How many pixels each of `components` has, which are numbered as by [`labelled_components`]; first those
-/// of none.
-pub fn component_sizes(components: &Image<u32>) -> Vec<usize> {
-    let last = components.pixels().iter().max().copied().unwrap_or(0);
-    let mut sizes = vec![0; last as usize + 1];
-    for &component in components.pixels() {
-        sizes[component as usize] += 1;
-    }
-    sizes
 }
 
 /// All pixels that cannot be reached from outside the image without crossing `barrier`; the
@@ -178,15 +155,6 @@ mod tests {
         let barrier = mask(&[".#...", "#.#..", "#..#.", ".##..", "....."]);
         let kept = flooded_from_outside(&barrier);
         assert_eq!(kept, mask(&[".#...", "###..", "####.", ".##..", "....."]));
-    }
-
-    #[test]
-    fn components_touch_at_corners() {
-        let labels = labelled_components(&mask(&["#..", ".#.", "..."]));
-        assert_eq!(labels.at(0, 0), labels.at(1, 1));
-        let labels = labelled_components(&mask(&["#.#"]));
-        assert_eq!(labels.pixels(), &[1, 0, 2]);
-        assert_eq!(labelled_components(&mask(&["#"])).pixels(), &[1]);
     }
 
     #[test]

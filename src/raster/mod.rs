@@ -8,6 +8,7 @@
 //! Imports `base`.
 
 mod blur;
+mod components;
 mod cube_envelope;
 mod cube_grid;
 mod cubemap;
@@ -25,6 +26,7 @@ mod resample;
 mod write;
 
 pub use blur::{smoothed, smoothed_within};
+pub use components::{component_sizes, labelled_components};
 pub use cube_envelope::{CubeCones, cube_upper_envelope};
 pub use cube_grid::{folded, per_face, smoothed_cubemap};
 pub use cubemap::{CubeFace, Cubemap};
@@ -33,8 +35,7 @@ pub use image::{Image, Premultiplied, Straight};
 #[cfg(test)]
 pub(crate) use mask::mask;
 pub use mask::{
-    Mask, closed_and_filled, component_sizes, dilated, eroded, flooded_from_outside,
-    labelled_components, opaque_bounds, row_ends,
+    Mask, closed_and_filled, dilated, eroded, flooded_from_outside, opaque_bounds, row_ends,
 };
 pub use pyramid::Pyramid;
 pub use read::{

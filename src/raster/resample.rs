@@ -37,12 +37,15 @@ pub fn resized(
         .for_each(|(y, out)| {
             let row =
                 &image.row(crop.y + y as u32)[crop.x as usize..(crop.x + crop.width) as usize];
-            for (pixel, tap) in out.iter_mut().zip(&across) {
+            for (out, tap) in out.iter_mut().zip(&across) {
+                // Not summed in place: fresh memory that is read before it is written costs twice.
+                let mut sums = [0.0f32; 4];
                 for (source, weight) in row[tap.first..].iter().zip(&tap.weights) {
-                    for (sum, &value) in pixel.iter_mut().zip(&source.0) {
+                    for (sum, &value) in sums.iter_mut().zip(&source.0) {
                         *sum += f32::from(value) * weight;
                     }
                 }
+                *out = sums;
             }
         });
     let mut pixels = vec![Premultiplied::default(); columns * height as usize];

@@ -30,6 +30,9 @@ pub(super) type Linear = [[f32; 4]; PLANES];
 /// Sums over a window: weight, colours, products of colours, likelihoods, products of the two.
 const SUMS: usize = 1 + 3 + 6 + PLANES + 3 * PLANES;
 
+/// A function and, first, how much of the picture its window saw.
+type Weighted = [f32; 1 + 4 * PLANES];
+
 /// The function of each pixel of `guide`, whose fourth numbers are the weights.
 pub(super) fn fitted(
     guide: &Image<[f32; 4]>,
@@ -37,55 +40,72 @@ pub(super) fn fitted(
     window: Window,
 ) -> Image<Linear> {
     let (width, height) = (guide.width(), guide.height());
-    let pixels = guide.pixels().iter().zip(values.pixels());
-    let moments = pixels.map(|(&[r, g, b, w], &values)| {
-        let colour = [r, g, b];
-        let mut sums = [0.0f32; SUMS];
-        sums[0] = w;
-        let mut next = 1;
-        let mut add = |value: f32| {
-            sums[next] = w * value;
-            next += 1;
-        };
-        colour.iter().for_each(|&c| add(c));
-        for (i, a) in colour.iter().enumerate() {
-            colour[i..].iter().for_each(|b| add(a * b));
-        }
-        values.iter().for_each(|&v| add(v));
-        for value in values {
-            colour.iter().for_each(|c| add(c * value));
-        }
-        sums
+    let size = [width as usize, height as usize];
+    let mut functions: Vec<Weighted> = Vec::with_capacity(guide.pixels().len());
+    let moments_of = |y: usize, out: &mut Vec<[f32; SUMS]>| {
+        let pixels = guide.row(y as u32).iter().zip(values.row(y as u32));
+        out.extend(pixels.map(|(pixel, values)| moments(pixel, values)));
+    };
+    box_sums(size, window.radius, moments_of, |_, sums| {
+        functions.extend(sums.iter().map(|sums| weighted(sums, window.epsilon)));
     });
-    let moments = Image::from_pixels(width, height, moments.collect());
-    let boxed = box_sums(&moments, window.radius);
-    // The functions, weighted by how much of the picture each window saw.
-    let functions = boxed.map(|sums| {
-        let mut weighted = [0.0f32; 1 + 4 * PLANES];
+    let mut linear = Vec::with_capacity(functions.len());
+    let functions_of = |y: usize, out: &mut Vec<Weighted>| {
+        out.extend_from_slice(&functions[y * size[0]..][..size[0]]);
+    };
+    box_sums(size, window.radius, functions_of, |y, sums| {
+        let pixels = sums.iter().zip(values.row(y as u32));
+        linear.extend(pixels.map(|(sums, values)| mean(sums, values)));
+    });
+    Image::from_pixels(width, height, linear)
+}
+
+/// What a pixel adds to the sums of the windows around it.
+fn moments(&[r, g, b, weight]: &[f32; 4], values: &[f32; PLANES]) -> [f32; SUMS] {
+    let colour = [r, g, b];
+    let mut sums = [0.0f32; SUMS];
+    sums[0] = weight;
+    let mut next = 1;
+    let mut add = |value: f32| {
+        sums[next] = weight * value;
+        next += 1;
+    };
+    colour.iter().for_each(|&c| add(c));
+    for (i, a) in colour.iter().enumerate() {
+        colour[i..].iter().for_each(|b| add(a * b));
+    }
+    values.iter().for_each(|&v| add(v));
+    for value in values {
+        colour.iter().for_each(|c| add(c * value));
+    }
+    sums
+}
+
+/// The function that fits in a window of these sums, times how much of the picture it saw.
+fn weighted(sums: &[f32; SUMS], epsilon: f32) -> Weighted {
+    let mut weighted = [0.0f32; 1 + 4 * PLANES];
+    if sums[0] > 1e-3 {
+        weighted[0] = sums[0];
+        let function = function(sums, epsilon);
+        for (own, value) in weighted[1..].iter_mut().zip(function.as_flattened()) {
+            *own = sums[0] * value;
+        }
+    }
+    weighted
+}
+
+/// The mean function of the windows that a pixel lies in; where they saw nothing, its own `values`.
+fn mean(sums: &Weighted, values: &[f32; PLANES]) -> Linear {
+    let mut linear = [[0.0; 4]; PLANES];
+    for (plane, own) in linear.iter_mut().enumerate() {
         if sums[0] > 1e-3 {
-            weighted[0] = sums[0];
-            let functions = function(sums, window.epsilon);
-            for (own, value) in weighted[1..].iter_mut().zip(functions.as_flattened()) {
-                *own = sums[0] * value;
-            }
+            let from = 1 + 4 * plane;
+            *own = [0, 1, 2, 3].map(|i| sums[from + i] / sums[0]);
+        } else {
+            own[3] = values[plane];
         }
-        weighted
-    });
-    let means = box_sums(&functions, window.radius);
-    let pixels = means.pixels().iter().zip(values.pixels());
-    let linear = pixels.map(|(sums, values)| {
-        let mut linear = [[0.0; 4]; PLANES];
-        for (plane, own) in linear.iter_mut().enumerate() {
-            if sums[0] > 1e-3 {
-                let from = 1 + 4 * plane;
-                *own = [0, 1, 2, 3].map(|i| sums[from + i] / sums[0]);
-            } else {
-                own[3] = values[plane];
-            }
-        }
-        linear
-    });
-    Image::from_pixels(width, height, linear.collect())
+    }
+    linear
 }
 
 /// The least-squares fit in a window of these sums.
@@ -126,46 +146,69 @@ fn function(sums: &[f32; SUMS], epsilon: f32) -> Linear {
     linear
 }
 
-/// The sums over the square window around each pixel, cut off at the border.
-fn box_sums<const N: usize>(image: &Image<[f32; N]>, radius: usize) -> Image<[f32; N]> {
-    let across = along(image.pixels(), image.width() as usize, radius);
-    let turned = transposed(&across, image.width() as usize);
-    let both = along(&turned, image.height() as usize, radius);
-    let pixels = transposed(&both, image.height() as usize);
-    Image::from_pixels(image.width(), image.height(), pixels)
-}
-
-/// The sums over a window along each row.
-fn along<const N: usize>(pixels: &[[f32; N]], width: usize, radius: usize) -> Vec<[f32; N]> {
-    let mut out = vec![[0.0; N]; pixels.len()];
-    let rows = out.chunks_mut(width).zip(pixels.chunks(width));
-    for (out, row) in rows {
-        let mut sums = [0.0f64; N];
-        let add = |sums: &mut [f64; N], i: usize, sign: f64| {
-            for (sum, value) in sums.iter_mut().zip(&row[i]) {
+/// Tells `take` for each row, from the top, the sums over the square windows around its pixels, cut off at
+/// the border of a picture of `size` (columns, rows), whose rows `row_of` appends to an empty list.
+///
+/// Only the rows under a window are kept: these sums are twenty numbers a pixel.
+fn box_sums<const N: usize>(
+    [width, height]: [usize; 2],
+    radius: usize,
+    row_of: impl Fn(usize, &mut Vec<[f32; N]>),
+    mut take: impl FnMut(usize, &[[f32; N]]),
+) {
+    let mut columns = vec![[0.0f64; N]; width];
+    // Sums along the rows, of those under the window and of the one that leaves it.
+    let mut across = vec![vec![[0.0f32; N]; width]; 2 * radius + 2];
+    let kept = across.len();
+    let (mut row, mut sums) = (Vec::with_capacity(width), vec![[0.0f32; N]; width]);
+    let add = |columns: &mut [[f64; N]], row: &[[f32; N]], sign: f64| {
+        for (sums, values) in columns.iter_mut().zip(row) {
+            for (sum, value) in sums.iter_mut().zip(values) {
                 *sum += sign * f64::from(*value);
             }
+        }
+    };
+    for entering in 0..height + radius {
+        if entering < height {
+            row.clear();
+            row_of(entering, &mut row);
+            sums_along(&row, radius, &mut across[entering % kept]);
+            add(&mut columns, &across[entering % kept], 1.0);
+        }
+        let Some(y) = entering.checked_sub(radius) else {
+            continue;
         };
-        for i in 0..radius.min(width) {
-            add(&mut sums, i, 1.0);
+        if y > radius {
+            add(&mut columns, &across[(y - radius - 1) % kept], -1.0);
         }
-        for (i, out) in out.iter_mut().enumerate() {
-            if i + radius < width {
-                add(&mut sums, i + radius, 1.0);
-            }
-            if i > radius {
-                add(&mut sums, i - radius - 1, -1.0);
-            }
-            *out = sums.map(|sum| sum as f32);
+        for (own, sums) in sums.iter_mut().zip(&columns) {
+            *own = sums.map(|sum| sum as f32);
         }
+        take(y, &sums);
     }
-    out
 }
 
-fn transposed<T: Copy>(pixels: &[T], width: usize) -> Vec<T> {
-    let height = pixels.len() / width;
-    let places = (0..width).flat_map(|x| (0..height).map(move |y| y * width + x));
-    places.map(|place| pixels[place]).collect()
+/// The sums over a window along a row.
+fn sums_along<const N: usize>(row: &[[f32; N]], radius: usize, out: &mut [[f32; N]]) {
+    let width = row.len();
+    let mut sums = [0.0f64; N];
+    let add = |sums: &mut [f64; N], i: usize, sign: f64| {
+        for (sum, value) in sums.iter_mut().zip(&row[i]) {
+            *sum += sign * f64::from(*value);
+        }
+    };
+    for i in 0..radius.min(width) {
+        add(&mut sums, i, 1.0);
+    }
+    for (i, out) in out.iter_mut().enumerate() {
+        if i + radius < width {
+            add(&mut sums, i + radius, 1.0);
+        }
+        if i > radius {
+            add(&mut sums, i - radius - 1, -1.0);
+        }
+        *out = sums.map(|sum| sum as f32);
+    }
 }
 
 /// The likelihoods at the picture's own size, within the letterbox's crop: the functions, interpolated
@@ -229,7 +272,10 @@ mod tests {
     #[test]
     fn box_sums_are_sums_over_boxes() {
         let image = Image::from_pixels(7, 5, (0..35).map(|i| [(i * i % 11) as f32]).collect());
-        let sums = box_sums(&image, 2);
+        let mut sums = Vec::new();
+        let rows = |y: usize, out: &mut Vec<[f32; 1]>| out.extend_from_slice(image.row(y as u32));
+        box_sums([7, 5], 2, rows, |_, row| sums.extend_from_slice(row));
+        let sums = Image::from_pixels(7, 5, sums);
         for (x, y) in [(0i64, 0i64), (3, 2), (6, 4), (1, 3)] {
             let window = (-2..=2).flat_map(|dy| (-2..=2).map(move |dx| (x + dx, y + dy)));
             let expected: f32 = window

@@ -126,7 +126,9 @@ fn averaged(picture: &Image<Straight>, crop: Rect, width: u32, height: u32) -> I
         .zip(crop.y..crop.y + crop.height)
         .for_each(|(out, y)| {
             let row = &picture.row(y)[columns.clone()];
-            for (sum, taps) in out.iter_mut().zip(&across) {
+            for (out, taps) in out.iter_mut().zip(&across) {
+                // Not summed in place: fresh memory that is read before it is written costs twice.
+                let mut sum = [0.0; 4];
                 for (pixel, weight) in row[taps.first..].iter().zip(&taps.weights) {
                     let [r, g, b, a] = pixel.0.map(f32::from);
                     let share = weight * a;
@@ -135,6 +137,7 @@ fn averaged(picture: &Image<Straight>, crop: Rect, width: u32, height: u32) -> I
                     sum[2] += share * b;
                     sum[3] += share;
                 }
+                *out = sum;
             }
         });
     let narrow = Image::from_pixels(width, crop.height, narrow);

@@ -45,8 +45,15 @@ impl Job for Flags {
         let shard = session.options.shard;
         let ours = (0u64..).zip(&tasks).filter(|(i, _)| shard.contains(*i));
         session.output.check(ours.map(|(_, task)| &task.output))?;
-        let made = made(session, "segment", &tasks, |_, task| {
-            task.run(segmenter.as_ref(), session)
+        let mut ours = (0u64..).zip(&tasks).filter(|(i, _)| shard.contains(*i));
+        let has_new = ours.any(|(_, task)| !task.output.exists());
+        let made = rayon::scope(|scope| {
+            if has_new {
+                scope.spawn(|_| segmenter.prepare());
+            }
+            made(session, "segment", &tasks, |_, task| {
+                task.run(segmenter.as_ref(), session)
+            })
         })?;
         session.print_json(|| {
             let images: Vec<Value> = made.ready.into_iter().map(|(_, image)| image).collect();

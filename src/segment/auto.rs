@@ -64,6 +64,12 @@ impl Segmenter for Auto {
         self.learned.as_ref().ok().map(Learned::digest)
     }
 
+    fn prepare(&self) {
+        if let Ok(learned) = &self.learned {
+            learned.prepare();
+        }
+    }
+
     fn segmented(
         &self,
         image: &Image<Straight>,

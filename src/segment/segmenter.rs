@@ -83,6 +83,9 @@ pub trait Segmenter: Sync {
         None
     }
 
+    /// Makes ready what the first picture waits for; for a thread of its own, while that is read.
+    fn prepare(&self) {}
+
     /// The label of every pixel of `image`, and who says so.
     ///
     /// In a picture with clear ground, pixels of alpha below 128 are background and all others are

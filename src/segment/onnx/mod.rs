@@ -158,6 +158,10 @@ impl Segmenter for Learned {
         Some(self.0.digest)
     }
 
+    fn prepare(&self) {
+        self.0.sessions.prepare(&self.0.card);
+    }
+
     fn segmented(
         &self,
         image: &Image<Straight>,

@@ -16,8 +16,7 @@ pub struct Runtime {
     pub(super) environment: Environment,
     /// Its name and version.
     name: String,
-    /// Whether it is not the one built in.
-    pub(super) is_native: bool,
+    is_native: bool,
     /// Why it is not the one that was asked for.
     note: Option<String>,
 }
@@ -71,6 +70,11 @@ impl Runtime {
     /// Its name and version.
     pub fn name(&self) -> &str {
         &self.name
+    }
+
+    /// Whether it is the user's, not the one built in.
+    pub fn is_native(&self) -> bool {
+        self.is_native
     }
 
     /// Why it is not the native one that was asked for.

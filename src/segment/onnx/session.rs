@@ -28,8 +28,10 @@ pub(super) struct Sessions {
 #[derive(Default)]
 struct Pool {
     idle: Vec<Session>,
-    /// Sessions that exist, at work or not.
+    /// Sessions that exist, at work or not, or are being made.
     made: usize,
+    /// Sessions that are being made for whoever comes next.
+    coming: usize,
 }
 
 impl Sessions {
@@ -70,10 +72,29 @@ impl Sessions {
         self.pool.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// Makes a first session if there is none yet. What goes wrong is told to who wants to run it.
+    pub(super) fn prepare(&self, card: &Card) {
+        let mut pool = self.pool();
+        if pool.made > 0 {
+            return;
+        }
+        (pool.made, pool.coming) = (1, 1);
+        drop(pool);
+        let made = self.made(card);
+        let mut pool = self.pool();
+        pool.coming -= 1;
+        match made {
+            Ok(session) => pool.idle.push(session),
+            Err(_) => pool.made -= 1,
+        }
+        drop(pool);
+        self.returned.notify_all();
+    }
+
     /// A session for the caller alone.
     fn session(&self, card: &Card) -> Result<Session, SegmentError> {
         let mut pool = self.pool();
-        while pool.idle.is_empty() && pool.made == MOST_SESSIONS {
+        while pool.idle.is_empty() && (pool.made == MOST_SESSIONS || pool.coming > 0) {
             pool = self
                 .returned
                 .wait(pool)
@@ -84,18 +105,22 @@ impl Sessions {
         }
         pool.made += 1;
         drop(pool);
-        let made = Runtime::of_process().and_then(|runtime| {
-            without_panics(|| session_of(runtime, &self.model))
-                .map_err(|panicked| panicked.message)
-                .and_then(|made| made.map_err(|error| error.to_string()))
-                .and_then(|session| checked(session, card))
-                .map_err(model_error)
-        });
+        let made = self.made(card);
         if made.is_err() {
             self.pool().made -= 1;
             self.returned.notify_one();
         }
         made
+    }
+
+    fn made(&self, card: &Card) -> Result<Session, SegmentError> {
+        Runtime::of_process().and_then(|runtime| {
+            without_panics(|| session_of(runtime, &self.model))
+                .map_err(|panicked| panicked.message)
+                .and_then(|made| made.map_err(|error| error.to_string()))
+                .and_then(|session| checked(session, card))
+                .map_err(model_error)
+        })
     }
 }
 
@@ -106,7 +131,7 @@ fn model_error(reason: String) -> SegmentError {
 fn session_of(runtime: &Runtime, model: &[u8]) -> ort::Result<Session> {
     let mut builder = Session::builder(&runtime.environment)?
         .with_optimization_level(GraphOptimizationLevel::Level3)?;
-    if runtime.is_native {
+    if runtime.is_native() {
         builder = builder.with_intra_threads(1)?;
     }
     builder.commit_from_memory(model)

@@ -80,7 +80,7 @@ impl Sessions {
         }
         (pool.made, pool.coming) = (1, 1);
         drop(pool);
-        let made = self.made(card);
+        let made = self.fresh(card);
         let mut pool = self.pool();
         pool.coming -= 1;
         match made {
@@ -105,7 +105,7 @@ impl Sessions {
         }
         pool.made += 1;
         drop(pool);
-        let made = self.made(card);
+        let made = self.fresh(card);
         if made.is_err() {
             self.pool().made -= 1;
             self.returned.notify_one();
@@ -113,7 +113,8 @@ impl Sessions {
         made
     }
 
-    fn made(&self, card: &Card) -> Result<Session, SegmentError> {
+    /// A session of its own, checked.
+    fn fresh(&self, card: &Card) -> Result<Session, SegmentError> {
         Runtime::of_process().and_then(|runtime| {
             without_panics(|| session_of(runtime, &self.model))
                 .map_err(|panicked| panicked.message)

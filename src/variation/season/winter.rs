@@ -21,6 +21,11 @@ const SPECK: f64 = 0.0004;
 const LOOSE: f64 = 0.004;
 const LOOSE_CLUMP: f64 = 0.02;
 
+/// Alpha from which on a pixel is a part of something, and from which on it is seen at all: many a
+/// picture's ground has a few units.
+const SEEN: u8 = 72;
+const FAINT: u8 = 9;
+
 /// Takes the leaves off `tree`, that share of them.
 pub(super) fn undress(
     tree: &mut Tree,
@@ -65,10 +70,10 @@ fn drop_leaves(
         let leaf = ((f64::from(*share) - 0.12) / 0.3).clamp(0.0, 1.0);
         pixel.0[3] = (f64::from(pixel.alpha()) * (1.0 - fallen * leaf) + 0.5) as u8;
     }
-    let seen = tree.image.map(|pixel| pixel.alpha() >= 72);
+    let seen = tree.image.map(|pixel| pixel.alpha() >= SEEN);
     let parts = labelled_components(&seen);
     let sizes = component_sizes(&parts);
-    let least = ((SPECK * leaves.count() as f64) as usize).max(12);
+    let least = least_piece(leaves);
     let labels = tree.labels.pixels().iter();
     let parts = parts.pixels().iter().zip(seen.pixels()).zip(labels);
     for (pixel, ((part, seen), label)) in tree.image.pixels_mut().iter_mut().zip(parts) {
@@ -94,7 +99,7 @@ fn uncover(tree: &mut Tree, stem: &Stem, amount: f64) {
 
 /// Clears what hangs on nothing, and what is faint of leaves before the trunk.
 fn clear_loose(tree: &mut Tree, leaves: &Leaves, amount: f64) {
-    let parts = labelled_components(&tree.image.map(|pixel| pixel.alpha() >= 72));
+    let parts = labelled_components(&tree.image.map(|pixel| pixel.alpha() >= SEEN));
     let sizes = component_sizes(&parts);
     let largest = (1..sizes.len()).max_by_key(|&part| sizes[part]);
     let most = LOOSE_CLUMP.min(LOOSE / (1.0 - amount).max(1e-3)) * leaves.count() as f64;
@@ -107,5 +112,50 @@ fn clear_loose(tree: &mut Tree, leaves: &Leaves, amount: f64) {
         if is_loose && (*label != Label::Trunk || is_green_leaf(*pixel)) {
             (*pixel, *label) = (Straight([0; 4]), Label::Background);
         }
+    }
+    clear_crumbs(tree, least_piece(leaves));
+}
+
+/// Clears what is left of that: pieces, with all that is faint about them, of which fewer than `least`
+/// pixels are seen.
+fn clear_crumbs(tree: &mut Tree, least: usize) {
+    let pieces = labelled_components(&tree.image.map(|pixel| pixel.alpha() >= FAINT));
+    let mut seen = vec![0; component_sizes(&pieces).len()];
+    for (pixel, &piece) in tree.image.pixels().iter().zip(pieces.pixels()) {
+        seen[piece as usize] += usize::from(pixel.alpha() >= SEEN);
+    }
+    let pixels = tree.image.pixels_mut().iter_mut().zip(pieces.pixels());
+    for ((pixel, &piece), label) in pixels.zip(tree.labels.pixels_mut()) {
+        if piece > 0 && seen[piece as usize] < least {
+            (*pixel, *label) = (Straight([0; 4]), Label::Background);
+        }
+    }
+}
+
+/// Pixels of a piece that is more than a speck.
+fn least_piece(leaves: &Leaves) -> usize {
+    ((SPECK * leaves.count() as f64) as usize).max(12)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn crumbs_go_and_what_touches_a_limb_stays() {
+        let rows = ["###+....", "###...#.", "###.....", ".....++."];
+        let pixels = rows.iter().flat_map(|row| row.bytes()).map(|b| match b {
+            b'#' => Straight([90, 80, 70, 255]),
+            b'+' => Straight([90, 80, 70, 40]),
+            _ => Straight([0, 0, 0, 5]),
+        });
+        let image = Image::from_pixels(8, 4, pixels.collect());
+        let labels = image.map(|_| Label::Trunk);
+        let mut tree = Tree { image, labels };
+        clear_crumbs(&mut tree, 4);
+        let alpha: Vec<u8> = tree.image.pixels().iter().map(|p| p.alpha()).collect();
+        assert_eq!(alpha[..8], [255, 255, 255, 40, 5, 5, 5, 5]);
+        assert_eq!((alpha[14], alpha[29], alpha[30]), (0, 0, 0));
+        assert_eq!(tree.labels.at(6, 1), Label::Background);
     }
 }

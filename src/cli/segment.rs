@@ -44,9 +44,9 @@ impl Job for Flags {
         let tasks = tasks(&self.images, session.options.out()?)?;
         let shard = session.options.shard;
         let ours = (0u64..).zip(&tasks).filter(|(i, _)| shard.contains(*i));
-        session.output.check(ours.map(|(_, task)| &task.output))?;
-        let mut ours = (0u64..).zip(&tasks).filter(|(i, _)| shard.contains(*i));
-        let has_new = ours.any(|(_, task)| !task.output.exists());
+        let outputs: Vec<&PathBuf> = ours.map(|(_, task)| &task.output).collect();
+        session.output.check(&outputs)?;
+        let has_new = outputs.iter().any(|output| !output.exists());
         let made = rayon::scope(|scope| {
             if has_new {
                 scope.spawn(|_| segmenter.prepare());

@@ -30,8 +30,8 @@ struct Pool {
     idle: Vec<Session>,
     /// Sessions that exist, at work or not, or are being made.
     made: usize,
-    /// Sessions that are being made for whoever comes next.
-    coming: usize,
+    /// Whether one of them is being made for whoever comes next.
+    is_coming: bool,
 }
 
 impl Sessions {
@@ -78,11 +78,11 @@ impl Sessions {
         if pool.made > 0 {
             return;
         }
-        (pool.made, pool.coming) = (1, 1);
+        (pool.made, pool.is_coming) = (1, true);
         drop(pool);
         let made = self.fresh(card);
         let mut pool = self.pool();
-        pool.coming -= 1;
+        pool.is_coming = false;
         match made {
             Ok(session) => pool.idle.push(session),
             Err(_) => pool.made -= 1,
@@ -94,7 +94,7 @@ impl Sessions {
     /// A session for the caller alone.
     fn session(&self, card: &Card) -> Result<Session, SegmentError> {
         let mut pool = self.pool();
-        while pool.idle.is_empty() && (pool.made == MOST_SESSIONS || pool.coming > 0) {
+        while pool.idle.is_empty() && (pool.made == MOST_SESSIONS || pool.is_coming) {
             pool = self
                 .returned
                 .wait(pool)

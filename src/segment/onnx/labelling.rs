@@ -22,6 +22,7 @@ use crate::raster::{Image, Mask, Rect, Straight, labelled_components};
 pub(super) const OPAQUE: u8 = 128;
 
 /// What the rules' opinion of a pixel is worth.
+#[derive(Clone, Copy)]
 struct Worth {
     /// How many times likelier it is bark when they say so.
     word: f32,
@@ -70,33 +71,70 @@ const LEAST_PIECE: f64 = 0.25;
 /// ones are branches that hang down.
 const ISLET: f64 = 0.1;
 
+/// The tree in the part `crop` of a picture, and what the rules say of it.
+pub(super) struct CutOut {
+    tree: Mask,
+    rules: Labels,
+    worth: Worth,
+}
+
+impl CutOut {
+    /// The tree is what is opaque.
+    pub(super) fn by_alpha(
+        picture: &Image<Straight>,
+        crop: Rect,
+        cancel: &Cancel,
+    ) -> Result<Self, SegmentError> {
+        Self::ruled(picture, crop, opaque(picture, crop), OF_CUT_OUT, cancel)
+    }
+
+    /// The tree is what `likelihoods`, of the pixels of `crop`, say.
+    pub(super) fn by_likelihood(
+        picture: &Image<Straight>,
+        crop: Rect,
+        likelihoods: &Image<[f32; PLANES]>,
+        cancel: &Cancel,
+    ) -> Result<Self, SegmentError> {
+        let tree = both(&opaque(picture, crop), likelihoods, |own| {
+            own[TRUNK] + own[CROWN] > TREE
+        });
+        Self::ruled(picture, crop, main_pieces(&tree), OF_PHOTO, cancel)
+    }
+
+    fn ruled(
+        picture: &Image<Straight>,
+        crop: Rect,
+        tree: Mask,
+        worth: Worth,
+        cancel: &Cancel,
+    ) -> Result<Self, SegmentError> {
+        let mut cut = picture.cropped(crop.x, crop.y, crop.width, crop.height);
+        for (pixel, &in_tree) in cut.pixels_mut().iter_mut().zip(tree.pixels()) {
+            pixel.0[3] = if in_tree { 255 } else { 0 };
+        }
+        let rules = Classical.segment(&cut, cancel)?;
+        Ok(Self { tree, rules, worth })
+    }
+}
+
+fn opaque(picture: &Image<Straight>, crop: Rect) -> Mask {
+    let columns = crop.x as usize..(crop.x + crop.width) as usize;
+    let pixels = (crop.y..crop.y + crop.height)
+        .flat_map(|y| &picture.row(y)[columns.clone()])
+        .map(|pixel| pixel.alpha() >= OPAQUE);
+    Image::from_pixels(crop.width, crop.height, pixels.collect())
+}
+
 /// The labels of `picture`, given the likelihoods of the pixels of `crop`; the rest is background.
 pub(super) fn labelled(
     picture: &Image<Straight>,
-    has_alpha: bool,
     crop: Rect,
+    cut: &CutOut,
     likelihoods: &Image<[f32; PLANES]>,
-    cancel: &Cancel,
-) -> Result<Labels, SegmentError> {
-    let opaque = Image::from_pixels(
-        crop.width,
-        crop.height,
-        (crop.y..crop.y + crop.height)
-            .flat_map(|y| &picture.row(y)[crop.x as usize..(crop.x + crop.width) as usize])
-            .map(|pixel| pixel.alpha() >= OPAQUE)
-            .collect(),
-    );
-    let tree = if has_alpha {
-        opaque
-    } else {
-        main_pieces(&both(&opaque, likelihoods, |own| {
-            own[TRUNK] + own[CROWN] > TREE
-        }))
-    };
-    let rules = Classical.segment(&cut_out(picture, crop, &tree), cancel)?;
-    let worth = if has_alpha { OF_CUT_OUT } else { OF_PHOTO };
-    let bark = bark(&tree, likelihoods, &rules, &worth);
-    let trunk = trunk(&tree, &bark, worth.least_trunk);
+) -> Labels {
+    let tree = &cut.tree;
+    let bark = bark(tree, likelihoods, &cut.rules, &cut.worth);
+    let trunk = trunk(tree, &bark, cut.worth.least_trunk);
     let mut labels = Image::filled(picture.width(), picture.height(), Label::Background);
     for y in 0..crop.height {
         let from = crop.x as usize..(crop.x + crop.width) as usize;
@@ -109,16 +147,7 @@ pub(super) fn labelled(
             };
         }
     }
-    Ok(labels)
-}
-
-/// The part `crop` of `picture`, clear where there is no tree.
-fn cut_out(picture: &Image<Straight>, crop: Rect, tree: &Mask) -> Image<Straight> {
-    let mut cut = picture.cropped(crop.x, crop.y, crop.width, crop.height);
-    for (pixel, &in_tree) in cut.pixels_mut().iter_mut().zip(tree.pixels()) {
-        pixel.0[3] = if in_tree { 255 } else { 0 };
-    }
-    cut
+    labels
 }
 
 /// The pixels of `tree` that are bark to the network and the rules together.
@@ -255,7 +284,13 @@ mod tests {
             Straight([90, 90, 90, if is_clear { 0 } else { 255 }])
         });
         let crop = picture.rect();
-        let labels = labelled(&picture, has_alpha, crop, &likelihoods, &Cancel::new()).unwrap();
+        let cancel = Cancel::new();
+        let cut = if has_alpha {
+            CutOut::by_alpha(&picture, crop, &cancel)
+        } else {
+            CutOut::by_likelihood(&picture, crop, &likelihoods, &cancel)
+        };
+        let labels = labelled(&picture, crop, &cut.unwrap(), &likelihoods);
         let rows = (0..labels.height()).map(|y| {
             let row = labels.row(y).iter();
             row.map(|label| match label {

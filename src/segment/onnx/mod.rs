@@ -29,7 +29,7 @@ use crate::base::{Cancel, Digest, Hasher};
 use crate::raster::{Image, Rect, Straight, opaque_bounds};
 use card::CardError;
 use guided::{PLANES, Window};
-use labelling::OPAQUE;
+use labelling::{CutOut, OPAQUE};
 use letterbox::Letterbox;
 use proto::ProtoError;
 use session::Sessions;
@@ -187,18 +187,26 @@ impl Segmenter for Learned {
                 provenance: provenance(1.0),
             });
         };
-        let whole = self.looked_at(image, crop, has_alpha, cancel)?;
+        let whole = || self.looked_at(image, crop, has_alpha, cancel);
+        let (whole, cut, fine) = if has_alpha {
+            // What alpha cuts out the rules need no network to judge.
+            let rules = || CutOut::by_alpha(image, crop, cancel);
+            let (whole, cut) = rayon::join(whole, rules);
+            let whole = whole?;
+            let fine = whole.fine(image, has_alpha);
+            (whole, cut?, fine)
+        } else {
+            let whole = whole()?;
+            let fine = self.fine_of_photo(image, &whole, cancel)?;
+            let cut = CutOut::by_likelihood(image, crop, &fine, cancel)?;
+            (whole, cut, fine)
+        };
         let calibration = &self.0.card.calibration;
         let sure = calibration.sure_background();
         let certainty = likelihood::certainty(&whole.coarse, whole.letterbox.inner, sure);
-        let mut fine = whole.fine;
-        // Alpha gives trunks their edges.
-        if !has_alpha && let Some(part) = again::foot(&whole.coarse, &whole.letterbox) {
-            let closer = self.looked_at(image, part, has_alpha, cancel)?;
-            again::put(&mut fine, crop, &closer.fine, part);
-        }
+        cancel.check()?;
         Ok(Segmented {
-            labels: labelling::labelled(image, has_alpha, crop, &fine, cancel)?,
+            labels: labelling::labelled(image, crop, &cut, &fine),
             provenance: provenance(calibration.confidence_of(certainty)),
         })
     }
@@ -207,10 +215,23 @@ impl Segmenter for Learned {
 /// A part of a picture as the network sees it.
 struct Look {
     letterbox: Letterbox,
-    /// What the network says, rounded.
+    /// The part at the network's size.
+    reduced: Image<[f32; 4]>,
+    /// What the network says of it, rounded.
     coarse: Image<[f32; PLANES]>,
-    /// The same at the size of the part, brought to its edges; with clear ground, of what is opaque.
-    fine: Image<[f32; PLANES]>,
+}
+
+impl Look {
+    /// What the network says at the size of the part, brought to its edges; with clear ground, of what
+    /// is opaque.
+    fn fine(&self, image: &Image<Straight>, has_alpha: bool) -> Image<[f32; PLANES]> {
+        let mut of_tree = Cow::Borrowed(&self.coarse);
+        if has_alpha {
+            likelihood::of_opaque(of_tree.to_mut());
+        }
+        let functions = guided::fitted(&self.reduced, &of_tree, WINDOW);
+        guided::applied(&functions, &self.letterbox, image)
+    }
 }
 
 impl Learned {
@@ -228,18 +249,31 @@ impl Learned {
         let tensor = letterbox.tensor(&reduced, &self.0.card, has_alpha);
         let answer = self.0.sessions.run(&self.0.card, &tensor)?;
         cancel.check()?;
-        let coarse = likelihood::likelihoods(&answer, &self.0.card)?;
-        let mut of_tree = Cow::Borrowed(&coarse);
-        if has_alpha {
-            likelihood::of_opaque(of_tree.to_mut());
-        }
-        let functions = guided::fitted(&reduced, &of_tree, WINDOW);
-        let fine = guided::applied(&functions, &letterbox, image);
-        cancel.check()?;
         Ok(Look {
             letterbox,
-            fine,
-            coarse,
+            reduced,
+            coarse: likelihood::likelihoods(&answer, &self.0.card)?,
         })
+    }
+
+    /// What the network says of a photograph that it saw whole and whose tree's foot it sees again; with
+    /// clear ground there is no need: alpha gives trunks their edges.
+    fn fine_of_photo(
+        &self,
+        image: &Image<Straight>,
+        whole: &Look,
+        cancel: &Cancel,
+    ) -> Result<Image<[f32; PLANES]>, SegmentError> {
+        let part = again::foot(&whole.coarse, &whole.letterbox);
+        let closer = || -> Result<Option<_>, SegmentError> {
+            let Some(part) = part else { return Ok(None) };
+            let look = self.looked_at(image, part, false, cancel)?;
+            Ok(Some((part, look.fine(image, false))))
+        };
+        let (mut fine, closer) = rayon::join(|| whole.fine(image, false), closer);
+        if let Some((part, closer)) = closer? {
+            again::put(&mut fine, whole.letterbox.crop, &closer, part);
+        }
+        Ok(fine)
     }
 }

@@ -436,7 +436,7 @@ fn write_maps(
 
 /// The digest of all that a tree is made of.
 fn record_digest(record: &TreeRecord, segmenter: &str) -> Digest {
-    let hasher: Hasher = recipe("vary 2");
+    let hasher: Hasher = recipe("vary 3");
     // Who it was bred from and whether there is a crown, too, changes no picture.
     let picture = TreeRecord {
         crown: None,

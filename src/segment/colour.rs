@@ -6,7 +6,7 @@
 //! space whose two chroma axes do not change with the light.
 //!
 //! Limits: where trunk and crown have the same colours the histograms overlap
-//! ([`Likelihood::overlap`] near 1) and the ratio says nothing.
+//! ([`BarkLikelihood::overlap`] near 1) and the ratio says nothing.
 
 use crate::raster::Straight;
 
@@ -25,15 +25,15 @@ const BLURS: usize = 2;
 /// It bounds the ratio: a single odd pixel must not outvote its neighbours.
 const UNSEEN: f64 = 0.3;
 
-/// How many times likelier a colour is on bark than in the crown, as a logarithm.
-pub(super) struct Likelihood {
+/// How many times likelier a colour is on bark than in the crown, as a logarithm; learned from one picture.
+pub struct BarkLikelihood {
     log_ratio: Vec<f32>,
     overlap: f64,
 }
 
-impl Likelihood {
+impl BarkLikelihood {
     /// Learns from pixels of the trunk and of the crown.
-    pub(super) fn learned(
+    pub fn learned(
         trunk: impl Iterator<Item = Straight>,
         crown: impl Iterator<Item = Straight>,
     ) -> Self {
@@ -50,13 +50,13 @@ impl Likelihood {
 
     /// Above 0 for colours that bark has more often, below 0 for those of foliage.
     #[inline]
-    pub(super) fn of(&self, pixel: Straight) -> f32 {
+    pub fn of(&self, pixel: Straight) -> f32 {
         self.log_ratio[cell(pixel)]
     }
 
     /// The Bhattacharyya coefficient of the two histograms: 0 when no colour is shared, 1 when
     /// trunk and crown cannot be told apart by colour.
-    pub(super) fn overlap(&self) -> f64 {
+    pub fn overlap(&self) -> f64 {
         self.overlap
     }
 }
@@ -113,8 +113,8 @@ mod tests {
     const GREEN: Straight = Straight([60, 130, 40, 255]);
     const BROWN: Straight = Straight([110, 70, 50, 255]);
 
-    fn learned(trunk: Straight, crown: Straight) -> Likelihood {
-        Likelihood::learned([trunk; 9].into_iter(), [crown; 99].into_iter())
+    fn learned(trunk: Straight, crown: Straight) -> BarkLikelihood {
+        BarkLikelihood::learned([trunk; 9].into_iter(), [crown; 99].into_iter())
     }
 
     #[test]
@@ -140,7 +140,7 @@ mod tests {
 
     #[test]
     fn no_pixels_at_all_are_no_trouble() {
-        let none = Likelihood::learned([].into_iter(), [].into_iter());
+        let none = BarkLikelihood::learned([].into_iter(), [].into_iter());
         assert_eq!(none.of(BROWN), 0.0);
     }
 }

@@ -1,6 +1,6 @@
 //! Where trunks stand on the ground.
 
-use super::colour::Likelihood;
+use super::colour::BarkLikelihood;
 use super::sketch::{Sketch, Span};
 use super::stem::{Guide, stem};
 
@@ -48,7 +48,7 @@ pub(super) struct Foot {
     /// A run of the trunk near the ground.
     pub(super) span: Span,
     /// What the colours of its stem tell.
-    pub(super) bark: Likelihood,
+    pub(super) bark: BarkLikelihood,
     score: f64,
 }
 
@@ -130,14 +130,14 @@ fn middle_column(sketch: &Sketch) -> f64 {
     sum / count
 }
 
-fn likelihood(sketch: &Sketch, stem: &[Span]) -> Likelihood {
+fn likelihood(sketch: &Sketch, stem: &[Span]) -> BarkLikelihood {
     let in_stem = sketch.covered(stem);
     let opaque = || {
         let pixels = sketch.image.pixels().iter().zip(in_stem.pixels());
         let inside = pixels.zip(sketch.mask.pixels()).filter(|&(_, &m)| m);
         inside.map(|((&pixel, &in_stem), _)| (pixel, in_stem))
     };
-    Likelihood::learned(
+    BarkLikelihood::learned(
         opaque().filter(|p| p.1).map(|p| p.0),
         opaque().filter(|p| !p.1).map(|p| p.0),
     )

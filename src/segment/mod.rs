@@ -20,6 +20,7 @@ mod stem;
 
 pub use auto::{Auto, standard};
 pub use classical::Classical;
+pub use colour::BarkLikelihood;
 pub use label::{
     Label, Labels, crown_baseline, crown_count, grey_from_labels, labels_from_grey, trunk_count,
 };

@@ -8,7 +8,7 @@
 //! Limits: a trunk that grows wider steadily (a cone standing on its tip) is followed to its top;
 //! one that leans more than its own width per row is lost, as is one behind a hanging branch.
 
-use super::colour::Likelihood;
+use super::colour::BarkLikelihood;
 use super::sketch::{Sketch, Span};
 
 /// A run this many times wider than the stem so far is no longer stem alone: crown touches it.
@@ -54,7 +54,7 @@ pub(super) enum Guide<'a> {
     /// Width alone; forks are followed. For a first look, from which colours are learned.
     Width,
     /// Width, and colour where foliage touches the stem; forks are followed.
-    Bark(&'a Likelihood),
+    Bark(&'a BarkLikelihood),
     /// Width alone; the first fork ends the stem, because the picture shows a tree whose crown is
     /// branches of the same colour.
     Bare,
@@ -147,7 +147,7 @@ fn tip_in_foliage(sketch: &Sketch, tip: Tip, run: Span, guide: Guide) -> Option<
 
 /// The stretch of `run`, above `below`, that most looks like bark: the one of the largest sum of
 /// log ratios (Bentley 1984, *Programming pearls: algorithm design techniques*).
-fn bark_span(sketch: &Sketch, below: Span, run: Span, bark: &Likelihood) -> Option<Span> {
+fn bark_span(sketch: &Sketch, below: Span, run: Span, bark: &BarkLikelihood) -> Option<Span> {
     let left = below.left.saturating_sub(SLACK).max(run.left);
     let right = (below.right + SLACK).min(run.right);
     let (mut best, mut best_sum) = (None, 0.0);
@@ -169,7 +169,7 @@ fn bark_span(sketch: &Sketch, below: Span, run: Span, bark: &Likelihood) -> Opti
 }
 
 /// The mean bounded log ratio of the pixel and its two vertical neighbours: bark runs upwards.
-fn ratio_at(sketch: &Sketch, x: u32, y: u32, bark: &Likelihood) -> f32 {
+fn ratio_at(sketch: &Sketch, x: u32, y: u32, bark: &BarkLikelihood) -> f32 {
     let last = sketch.height() - 1;
     let rows = [y.saturating_sub(1), y, (y + 1).min(last)];
     let voices = rows.map(|y| bark.of(sketch.image.at(x, y)).clamp(-VOICE, VOICE));

@@ -2,14 +2,16 @@
 //!
 //! Of many tries that place is taken that fits best what is around. Between cells the leaf that is lighter,
 //! in front, wins, so that seams run along leaves; after V. Kwatra et al., *Graphcut Textures* (2003), with
-//! that rule in the place of the cut, which costs no solver and keeps alpha. Gaps move with their cells.
+//! that rule in the place of the cut, which costs no solver and keeps alpha. Gaps move with their cells. The stem and
+//! the thick limbs that show between leaves ([`super::wood`]) stay: in pieces they would hang about the crown.
 
 use super::Tree;
 use super::habit::Habit;
 use super::rounded::Rounded;
 use super::seams::{CLEAR, Rags, front, lifted, mixed, over};
+use super::wood;
 use crate::base::{Cancel, Cancelled, Random, Seed};
-use crate::raster::{Image, Rect, Straight};
+use crate::raster::{Image, Mask, Rect, Straight};
 use crate::segment::{Label, Labels};
 use rayon::prelude::*;
 
@@ -35,6 +37,9 @@ const SAME_RISE: f64 = 0.09;
 
 /// Samples around and in a cell that places are compared by.
 const SAMPLES: usize = 56;
+
+/// What wood counts in a place, against a gap where leaves should be: its leaves hang around it.
+const WOOD: f64 = 2.0;
 
 /// How far up or down a cell's foliage may come from, as a share of the crown's height: light and size
 /// of leaves change with height.
@@ -88,7 +93,9 @@ pub(super) fn regrown(
     });
     let patches: Vec<Patch> = patches.collect::<Result<_, Cancelled>>()?;
     let (image, labels) = composed(both, grid, &patches);
-    Ok(Tree { image, labels })
+    let mut grown = Tree { image, labels };
+    wood::keep(both.wood[0], both.swayed, &mut grown);
+    Ok(grown)
 }
 
 /// The size of a cell, pixels, in a crown of so many.
@@ -156,6 +163,8 @@ pub(super) struct Both<'a> {
     pub(super) swayed: &'a Tree,
     pub(super) tree: &'a Tree,
     pub(super) habit: &'a Habit,
+    /// Where wood shows in the crown of either, in that order: it stays, and none comes from elsewhere.
+    pub(super) wood: [&'a Mask; 2],
 }
 
 /// How deep in the crown the places of both lie.
@@ -288,9 +297,10 @@ impl Patch {
 
     /// How badly the patch fits, and the lift that makes its light that of its place; `None` where
     /// either shows trunk.
-    fn cost(&self, Both { swayed, tree, .. }: Both<'_>, ring: &[[f64; 2]]) -> Option<(f64, f32)> {
+    fn cost(&self, both: Both<'_>, ring: &[[f64; 2]]) -> Option<(f64, f32)> {
+        let Both { swayed, tree, .. } = both;
         let (mut own_light, mut other_light, mut lit) = (0.0f64, 0.0, 0.0f64);
-        let (mut alpha, mut color) = (0.0, 0.0);
+        let (mut alpha, mut color, mut wood) = (0.0, 0.0, 0.0);
         for offset in ring {
             let (x, y) = (self.to[0] + offset[0], self.to[1] + offset[1]);
             let (u, v) = self.source(x, y);
@@ -303,6 +313,7 @@ impl Patch {
             let (own, other) = (at(swayed, x, y), at(tree, u, v));
             let (a, b) = (f64::from(own.alpha()), f64::from(other.alpha()));
             alpha += (a - b).abs() / 255.0;
+            wood += f64::from(u8::from(both.wood[1].get(u, v) == Some(true)));
             if a.min(b) > 128.0 {
                 lit += 1.0;
                 own_light += f64::from(own.luma());
@@ -317,7 +328,8 @@ impl Patch {
         } else {
             0.0
         };
-        let cost = 1.2 * alpha / count + color / lit.max(1.0) + 1.5 * lift.abs() / 255.0;
+        let cost =
+            (1.2 * alpha + WOOD * wood) / count + color / lit.max(1.0) + 1.5 * lift.abs() / 255.0;
         Some((cost, (0.7 * lift) as f32))
     }
 }
@@ -346,11 +358,9 @@ pub(super) fn share_changed(strength: f64) -> f64 {
 }
 
 /// The picture and its labels with every cell from where its patch says.
-fn composed(
-    Both { swayed, tree, .. }: Both<'_>,
-    grid: &Grid,
-    patches: &[Patch],
-) -> (Image<Straight>, Labels) {
+fn composed(both: Both<'_>, grid: &Grid, patches: &[Patch]) -> (Image<Straight>, Labels) {
+    let Both { swayed, tree, .. } = both;
+    let [_, shunned] = both.wood;
     let (mut image, mut labels) = (swayed.image.clone(), swayed.labels.clone());
     let width = image.width() as usize;
     let side = grid.side as f32;
@@ -380,7 +390,8 @@ fn composed(
                     let from = if patch.is_own { swayed } else { tree };
                     let other = from.image.get(u, v).unwrap_or(CLEAR);
                     let other_label = from.labels.get(u, v).unwrap_or_default();
-                    if other_label == Label::Trunk {
+                    let is_wood = !patch.is_own && shunned.get(u, v) == Some(true);
+                    if other_label == Label::Trunk || is_wood {
                         continue;
                     }
                     let sky = SKY * (1.0 - f32::from(other.alpha()) / 255.0);

@@ -10,7 +10,9 @@
 //! What is no foliage is not cut: a palm's fronds are turned about its heart ([`super::fronds`]), the limbs of a bare
 //! tree stand in each other's places ([`super::limbs`]).
 //!
-//! Limits: the trunk and the few limbs that cross the whole crown stay or are cut.
+//! The trunk and the wood that shows in the crown ([`super::wood`]) only sway.
+//!
+//! Limits: limbs whose colours are those of leaves are cut.
 
 use super::cells::{Both, Grid, cell_side, regrown};
 use super::finish::Reshaping;
@@ -22,8 +24,9 @@ use super::rim::{clear_loose_leaves, within_outline};
 use super::stem::rebarked;
 use super::sway::{Boughs, swayed};
 use super::tiers::retiered;
+use super::wood;
 use super::{HslShift, Tree};
-use crate::base::{Cancel, Cancelled, Seed};
+use crate::base::{Cancel, Cancelled, Random, Seed};
 use crate::raster::{Image, opaque_bounds};
 use crate::segment::Label;
 use rayon::prelude::*;
@@ -100,44 +103,60 @@ pub fn make_individual(
         *tree = swayed(tree, stance, grid.side, [strength; 2], &mut random, cancel)?;
     } else if is_bare(tree, grid.side) {
         let of_limbs = &mut seed.derive("limbs", 0).random();
-        let bare = relimbed(tree, &habit, strength, of_limbs, cancel)?;
+        let mut bare = relimbed(tree, &habit, strength, of_limbs, cancel)?;
+        let wood = wood::wood(tree, grid.side, cancel)?;
+        wood::keep(&wood, tree, &mut bare);
         let boughs = Boughs::new(&mut seed.derive("boughs", 0).random()).bare();
         let stance = (&habit, Some(&boughs));
         *tree = swayed(&bare, stance, grid.side, [strength; 2], &mut random, cancel)?;
     } else {
-        let boughs = Boughs::new(&mut seed.derive("boughs", 0).random());
-        let stance = (&habit, Some(&boughs));
-        let of_tiers = &mut seed.derive("tiers", 0).random();
-        let tiered = match habit.is_straight() {
-            true => Some(retiered(
-                tree, &habit, grid.side, strength, of_tiers, cancel,
-            )?),
-            false => None,
-        };
-        let outline = swayed(
-            tiered.as_ref().unwrap_or(tree),
-            stance,
-            grid.side,
-            [strength; 2],
-            &mut random,
-            cancel,
-        )?;
-        let both = Both {
-            swayed: &outline,
-            tree,
-            habit: &habit,
-        };
-        let grown = regrown(both, &grid, strength, seed, cancel)?;
-        let whole = (&outline, &habit);
-        let (mut made, inside) = within_outline(whole, &grown, grid.side, cancel)?;
-        clear_loose_leaves(&mut made, &inside, grid.side);
-        *tree = made;
+        *tree = refoliated(tree, (&habit, &grid), strength, seed, &mut random, cancel)?;
     }
     let clumps = Noise::new(&mut random);
     recolored(tree, grid.side, |place| {
         shift.between(&of_clump, clumps.at(place) - 0.5)
     });
     Ok(())
+}
+
+/// `tree` with other boughs if it stands straight, another outline and other foliage.
+fn refoliated(
+    tree: &Tree,
+    (habit, grid): (&Habit, &Grid),
+    strength: f64,
+    seed: Seed,
+    random: &mut Random,
+    cancel: &Cancel,
+) -> Result<Tree, Cancelled> {
+    let side = grid.side;
+    let shunned = wood::wood(tree, side, cancel)?;
+    let of_tiers = &mut seed.derive("tiers", 0).random();
+    let tiered = match habit.is_straight() {
+        true => Some(retiered(
+            tree,
+            (habit, &shunned),
+            side,
+            strength,
+            of_tiers,
+            cancel,
+        )?),
+        false => None,
+    };
+    let boughs = Boughs::new(&mut seed.derive("boughs", 0).random());
+    let stance = (habit, Some(&boughs));
+    let tiered = tiered.as_ref().unwrap_or(tree);
+    let outline = swayed(tiered, stance, side, [strength; 2], random, cancel)?;
+    let stays = wood::wood(&outline, side, cancel)?;
+    let both = Both {
+        swayed: &outline,
+        tree,
+        habit,
+        wood: [&stays, &shunned],
+    };
+    let grown = regrown(both, grid, strength, seed, cancel)?;
+    let (mut made, inside) = within_outline((&outline, habit), &grown, side, cancel)?;
+    clear_loose_leaves(&mut made, tree, &inside, side);
+    Ok(made)
 }
 
 /// Moves the outline of `tree`; its stem and its leaves stay what they are.
@@ -197,7 +216,10 @@ pub fn mirrored(tree: &Tree) -> Tree {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::raster::dilated;
+    use crate::segment::crown_count;
     use crate::variation::Look;
+    use crate::variation::cells::cell_side;
     use crate::variation::maker::grown as sample;
 
     fn individual(tree: &Tree, strength: f64) -> Tree {
@@ -282,6 +304,31 @@ mod tests {
         let (own, new) = (row(&tree, foot), row(&other, foot));
         assert!((own.0 - new.0).abs() < 2.5, "{own:?} {new:?}");
         assert!(own.1.abs_diff(new.1) <= 3, "{own:?} {new:?}");
+    }
+
+    #[test]
+    fn the_stem_in_the_crown_is_not_cut_in_pieces() {
+        let tree = sample("birch");
+        let side = cell_side(crown_count(&tree.labels));
+        let stem = |tree: &Tree| wood::wood(tree, side, &Cancel::new()).unwrap();
+        let own = stem(&tree);
+        let about = dilated(&own, (1.5 * side) as u8);
+        let (mut all, mut elsewhere) = (0, 0);
+        for seed in 0..4 {
+            let mut other = tree.clone();
+            let settings = IndividualSettings {
+                strength: 0.7,
+                mirrored: false,
+            };
+            make_individual(&mut other, &settings, false, Seed(seed), &Cancel::new()).unwrap();
+            let new = stem(&other);
+            let pixels = new.pixels().iter().zip(about.pixels());
+            all += new.count();
+            elsewhere += pixels.filter(|(is, is_near)| **is && !**is_near).count();
+        }
+        // Cut in cells like leaves, more than half of it was elsewhere. Twigs are taken for wood at this size.
+        assert!(all > 4 * own.count(), "{all}");
+        assert!(10 * elsewhere < 4 * all, "{elsewhere} of {all}");
     }
 
     #[test]

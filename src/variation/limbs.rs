@@ -90,7 +90,7 @@ pub(super) fn relimbed(
     Ok(made)
 }
 
-/// All pixels of limbs, and of nothing.
+/// All pixels of limbs, and of nothing, that are no trunk: it stays whole.
 fn without_limbs<'a>(
     tree: &'a mut Tree,
     of_pixel: &'a Image<u16>,
@@ -99,7 +99,7 @@ fn without_limbs<'a>(
     let pixels = pixels.zip(tree.labels.pixels_mut());
     let pixels = pixels.zip(of_pixel.pixels());
     pixels
-        .filter(|(_, limb)| **limb > 0)
+        .filter(|((_, label), limb)| **limb > 0 && **label != Label::Trunk)
         .map(|(pixel, _)| pixel)
 }
 

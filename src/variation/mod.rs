@@ -50,6 +50,7 @@ mod synthesis;
 mod tiers;
 mod warp;
 mod warp_image;
+mod wood;
 
 pub use choice::{ChoiceError, ChoiceSettings, Chosen, Coloring, Part, chosen, parts_near};
 pub use compatibility::{CompatibilityGraph, Neighbour, are_of_a_kind};

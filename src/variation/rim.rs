@@ -7,7 +7,7 @@ use super::Tree;
 use super::habit::Habit;
 use super::rounded::without_gaps;
 use crate::base::{Cancel, Cancelled};
-use crate::raster::{Image, Straight, labelled_components, smoothed};
+use crate::raster::{Image, Straight, component_sizes, dilated, labelled_components, smoothed};
 use crate::segment::Label;
 use rayon::prelude::*;
 
@@ -21,7 +21,11 @@ const OUTSIDE: f32 = 0.06;
 const KEPT: f32 = 0.97;
 
 /// Side of the largest square of leaves, in cell sizes, that hang in the air.
-const LOOSE: f64 = 0.35;
+const LOOSE: f64 = 0.6;
+
+/// Alpha from which pixels hang together, and how far fainter ones lie around them, pixels.
+const SEEN: u8 = 48;
+const SOFT_EDGE: u8 = 3;
 
 /// The foliage of `grown` in the tree `tree`, and how deep in the crown each pixel lies: 0 to 1. What stands
 /// straight keeps its outline.
@@ -74,29 +78,38 @@ fn outermost(habit: &Habit, y: usize, side: f64) -> f32 {
     OUTSIDE + kept * (0.45 - OUTSIDE)
 }
 
-/// Clears what hangs in the air beyond the outline: leaves of a cell whose twig lies in another.
-pub(super) fn clear_loose_leaves(tree: &mut Tree, inside: &Image<f32>, side: f64) {
-    let parts = labelled_components(&tree.image.map(|pixel| pixel.alpha() >= 48));
-    let count = parts.pixels().iter().copied().max().unwrap_or(0) as usize;
-    let mut found = vec![(0u32, 0.0f32); count + 1];
-    for (&part, &inside) in parts.pixels().iter().zip(inside.pixels()) {
-        let (area, deepest) = &mut found[part as usize];
-        *area += 1;
-        *deepest = deepest.max(inside);
-    }
-    let largest = LOOSE * side * LOOSE * side;
-    let is_loose = |part: u32| {
-        let (area, deepest) = found[part as usize];
-        part == 0 || (f64::from(area) < largest && deepest < 0.5)
+/// Clears what hangs in the air, leaves of a cell whose twig lies in another: beyond the outline, and within it what is
+/// larger than anything that hung so in `before`.
+pub(super) fn clear_loose_leaves(tree: &mut Tree, before: &Tree, inside: &Image<f32>, side: f64) {
+    let hung = {
+        let parts = labelled_components(&before.image.map(|pixel| pixel.alpha() >= SEEN));
+        let mut sizes = component_sizes(&parts)[1..].to_vec();
+        sizes.sort_unstable();
+        sizes.iter().rev().nth(1).copied().unwrap_or(0)
     };
-    clear(tree, &parts, |place, part| {
-        inside.pixels()[place] < 0.5 && is_loose(part)
+    let parts = labelled_components(&tree.image.map(|pixel| pixel.alpha() >= SEEN));
+    let sizes = component_sizes(&parts);
+    let mut deepest = vec![0.0f32; sizes.len()];
+    for (&part, &inside) in parts.pixels().iter().zip(inside.pixels()) {
+        deepest[part as usize] = deepest[part as usize].max(inside);
+    }
+    let most = LOOSE * side * LOOSE * side;
+    let is_loose = |part: u32| {
+        let size = sizes[part as usize];
+        (size as f64) < most && (deepest[part as usize] < 0.5 || size > hung)
+    };
+    let stays = parts.map(|&part| part > 0 && !is_loose(part));
+    let soft = dilated(&stays, SOFT_EDGE);
+    // Whatever their labels: what hangs in the air is no stem.
+    clear(tree, &parts, |place, part, _| match part {
+        0 => !soft.pixels()[place],
+        _ => is_loose(part),
     });
 }
 
 /// Clears what hangs in the air and did not stand there in `before`, up to so many pixels a piece.
 pub(super) fn clear_new_loose(made: &mut Tree, before: &Tree, most: f64) {
-    let parts = labelled_components(&made.image.map(|pixel| pixel.alpha() >= 48));
+    let parts = labelled_components(&made.image.map(|pixel| pixel.alpha() >= SEEN));
     let count = parts.pixels().iter().copied().max().unwrap_or(0) as usize;
     let mut found = vec![(0u32, false); count + 1];
     let pixels = made.image.pixels().iter().zip(before.image.pixels());
@@ -110,16 +123,70 @@ pub(super) fn clear_new_loose(made: &mut Tree, before: &Tree, most: f64) {
         let (area, is_changed) = found[part as usize];
         part > 0 && is_changed && area < largest && f64::from(area) < most
     };
-    clear(made, &parts, |_, part| is_loose(part));
+    clear(made, &parts, |_, part, label| {
+        is_loose(part) && label != Label::Trunk
+    });
 }
 
-/// Clears the pixels, but those of the stem, of which `is_loose` says so by their index and their part.
-fn clear(tree: &mut Tree, parts: &Image<u32>, is_loose: impl Fn(usize, u32) -> bool) {
+/// Clears the pixels of which `is_loose` says so by their index, their part and their label.
+fn clear(tree: &mut Tree, parts: &Image<u32>, is_loose: impl Fn(usize, u32, Label) -> bool) {
     let pixels = tree.image.pixels_mut().iter_mut();
     let pixels = pixels.zip(tree.labels.pixels_mut()).zip(parts.pixels());
     for (place, ((pixel, label), &part)) in pixels.enumerate() {
-        if is_loose(place, part) && *label != Label::Trunk {
+        if is_loose(place, part, *label) {
             (*pixel, *label) = (Straight([0; 4]), Label::Background);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::raster::Rect;
+
+    const LEAF: Straight = Straight([50, 120, 40, 255]);
+    const FAINT: Straight = Straight([50, 120, 40, 20]);
+
+    fn fill(tree: &mut Tree, place: Rect, pixel: Straight, label: Label) {
+        for y in place.y..place.y + place.height {
+            for x in place.x..place.x + place.width {
+                tree.image.set(x, y, pixel);
+                tree.labels.set(x, y, label);
+            }
+        }
+    }
+
+    fn square(x: u32, y: u32, side: u32) -> Rect {
+        Rect {
+            x,
+            y,
+            width: side,
+            height: side,
+        }
+    }
+
+    #[test]
+    fn nothing_hangs_in_the_air_that_did_not() {
+        let mut before = Tree {
+            image: Image::filled(100, 100, Straight([0; 4])),
+            labels: Image::filled(100, 100, Label::Background),
+        };
+        fill(&mut before, square(10, 10, 60), LEAF, Label::Crown);
+        // A leaf that hung in the air.
+        fill(&mut before, square(80, 20, 3), LEAF, Label::Crown);
+        let mut made = before.clone();
+        // One that did not, with its soft edge, part of which is called trunk; and the soft edge of the crown.
+        fill(&mut made, square(78, 48, 9), FAINT, Label::Background);
+        fill(&mut made, square(80, 50, 5), LEAF, Label::Crown);
+        fill(&mut made, square(80, 50, 2), LEAF, Label::Trunk);
+        fill(&mut made, square(70, 30, 2), FAINT, Label::Crown);
+        let deep = made.image.map(|_| 1.0);
+        clear_loose_leaves(&mut made, &before, &deep, 20.0);
+        fill(&mut before, square(70, 30, 2), FAINT, Label::Crown);
+        assert_eq!(made, before);
+        // Beyond the outline not even that.
+        clear_loose_leaves(&mut made, &before, &deep.map(|_| 0.0), 20.0);
+        assert_eq!(made.image.at(81, 21).alpha(), 0);
+        assert_eq!(made.image.at(20, 20), LEAF);
     }
 }

@@ -6,7 +6,7 @@
 use super::Tree;
 use super::habit::Habit;
 use crate::base::{Cancel, Cancelled};
-use crate::raster::{Image, smoothed};
+use crate::raster::{Image, Mask, smoothed};
 use crate::segment::Label;
 use rayon::prelude::*;
 
@@ -31,6 +31,8 @@ const STEEPEST: f64 = 1.2;
 pub(super) struct Spire<'a> {
     pub(super) tree: &'a Tree,
     pub(super) habit: &'a Habit,
+    /// Where wood shows in it.
+    pub(super) wood: &'a Mask,
     /// Of a strip, pixels.
     pub(super) strip: f64,
     /// The slope of boughs, row by row: how far they fall with each pixel outwards.
@@ -46,13 +48,13 @@ pub(super) struct Spire<'a> {
 }
 
 impl<'a> Spire<'a> {
-    /// That of `tree`, in strips so many pixels wide.
+    /// That of `tree`, which has that habit and shows wood there, in strips so many pixels wide.
     ///
     /// # Errors
     /// [`Cancelled`].
     pub(super) fn of(
         tree: &'a Tree,
-        habit: &'a Habit,
+        (habit, wood): (&'a Habit, &'a Mask),
         strip: f64,
         cancel: &Cancel,
     ) -> Result<Self, Cancelled> {
@@ -60,6 +62,7 @@ impl<'a> Spire<'a> {
         let mut crown = Self {
             tree,
             habit,
+            wood,
             strip,
             slopes: slopes(tree, habit, strip),
             reaches: [0; 2].map(|_| vec![0.0; tree.image.height() as usize]),

@@ -25,6 +25,13 @@ const STRETCHED: [f64; 2] = [0.8, 1.25];
 /// Share of a stretch at either end that bark never comes from: leaves hang over the one, grass over the other.
 const HEM: f64 = 0.12;
 
+/// Share of it next to that in which bark is turned back, at the row that is most even: what lies there is seen
+/// twice, head to head.
+const TURN: f64 = 0.16;
+
+/// Rows on either side that such a row is judged with, in cell sizes.
+const EVEN: f64 = 0.12;
+
 /// Rows over which a stem's middle and width are smoothed, in cell sizes.
 const SMOOTHED: f64 = 0.25;
 
@@ -62,10 +69,10 @@ impl Bark {
         }
     }
 
-    /// The share of its stretch, 0 to 1, that bark comes from which is to stand at `share`.
-    fn source(&self, share: f64) -> f64 {
+    /// The row of its stretch, between `turns`, that bark comes from which is to stand at `share` of it, 0 to 1.
+    fn source(&self, share: f64, [first, last]: [f64; 2]) -> f64 {
         let along = (self.stretched * share + self.moved).rem_euclid(2.0);
-        HEM + (1.0 - 2.0 * HEM) * (1.0 - (1.0 - along).abs())
+        first + (last - first) * (1.0 - (1.0 - along).abs())
     }
 }
 
@@ -110,6 +117,31 @@ impl Stretch {
         (0..sums.len()).map(mean).collect()
     }
 
+    /// The rows at which bark is turned back: the most even one near either end. `colors` are the mean colours about
+    /// the rows, `side` is the size of a cell.
+    fn turns(&self, image: &Image<Straight>, colors: &[[f32; 3]], side: f64) -> [f64; 2] {
+        let unevenness = |(row, &[left, right]): (usize, &[u32; 2])| {
+            let [r, g, b] = colors[row].map(|value| value as u8);
+            let mean = Straight([r, g, b, 255]).luma();
+            let pixels = (left..=right).map(|x| image.at(x, self.first + row as u32));
+            let sum: f32 = pixels.map(|pixel| (pixel.luma() - mean).abs()).sum();
+            sum / (right - left + 1) as f32
+        };
+        let rows: Vec<f32> = self.ends.iter().enumerate().map(unevenness).collect();
+        let reach = (EVEN * side) as usize;
+        let about = |row: usize| {
+            let around = &rows[row.saturating_sub(reach)..(row + reach + 1).min(rows.len())];
+            around.iter().sum::<f32>() / around.len() as f32
+        };
+        let last = rows.len() - 1;
+        let [hem, end] = [HEM, HEM + TURN].map(|share| (share * last as f64) as usize);
+        let most_even = |rows: std::ops::RangeInclusive<usize>| {
+            rows.min_by(|&a, &b| about(a).total_cmp(&about(b)))
+                .map_or(0.0, |row| row as f64)
+        };
+        [hem..=end, last - end..=last - hem].map(most_even)
+    }
+
     /// Lays other bark on the stretch in `image`, which was as in `before`; `side` is the size of a cell.
     fn rebark(
         &self,
@@ -120,10 +152,11 @@ impl Stretch {
     ) {
         let rows = self.rows((SMOOTHED * side) as usize);
         let colors = self.colors(before, (STAYS * side) as usize);
+        let turns = self.turns(before, &colors, side);
         let last = (rows.len() - 1) as f64;
         for (row, (&[middle, half], &[left, right])) in rows.iter().zip(&self.ends).enumerate() {
             let y = self.first + row as u32;
-            let from = last * bark.source(row as f64 / last);
+            let from = bark.source(row as f64 / last, turns);
             let [from_middle, from_half] = rows[from as usize];
             let end = (row as f64).min(last - row as f64);
             let share = (end / (FADE * side)).clamp(0.0, 1.0) as f32;
@@ -253,5 +286,22 @@ mod tests {
         let mut same = tree.clone();
         rebarked(&mut same, 16.0, 0.0, &mut Seed(2).random());
         assert_eq!(same, tree);
+    }
+
+    #[test]
+    fn bark_is_turned_back_where_it_is_even() {
+        let mut image = Image::filled(16, 200, Straight([200, 200, 200, 255]));
+        let labels = image.map(|_| Label::Trunk);
+        // Stains over all that is turned back at but for eight rows at either end.
+        for y in (20..40).chain(48..60).chain(140..152).chain(160..180) {
+            for x in 4..9 {
+                image.set(x, y, Straight([30, 30, 30, 255]));
+            }
+        }
+        let stretch = &stretches(&labels, 0, 16.0)[0];
+        let colors = stretch.colors(&image, 8);
+        let [first, last] = stretch.turns(&image, &colors, 16.0);
+        assert!((40.0..48.0).contains(&first), "{first}");
+        assert!((152.0..160.0).contains(&last), "{last}");
     }
 }

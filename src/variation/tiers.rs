@@ -5,7 +5,7 @@
 //! strip takes what the crown shows at another height or on the other side: lengthened or shortened to the
 //! crown's width at its new place, with the slope that boughs have there. Between strips the leaf that is
 //! lighter, in front, wins, as between the cells of foliage ([`super::cells`]). About the stem the crown stays,
-//! and its tip.
+//! and its tip, and wherever the stem shows ([`super::wood`]).
 //!
 //! Limits: one slope for all boughs of a height; curved boughs are cut where they leave their strip.
 
@@ -15,8 +15,9 @@ use super::habit::Habit;
 use super::rim::clear_new_loose;
 use super::seams::{Rags, front, lifted};
 use super::spire::{CORE, Spire};
+use super::wood;
 use crate::base::{Cancel, Cancelled, Random};
-use crate::raster::Straight;
+use crate::raster::{Mask, Straight};
 use crate::segment::Label;
 use rayon::prelude::*;
 
@@ -54,20 +55,20 @@ const HANGING: f64 = 2.5;
 /// Largest part, in squares of a cell, that does not hang together with the rest and is cleared.
 const LOOSE: f64 = 4.0;
 
-/// `tree`, which stands straight, with other boughs, `strength` saying how many change. The same draws are made
-/// whatever the strength.
+/// `tree`, which stands straight and whose crown shows wood there, with other boughs, `strength` saying how many
+/// change. The same draws are made whatever the strength.
 ///
 /// # Errors
 /// [`Cancelled`].
 pub(super) fn retiered(
     tree: &Tree,
-    habit: &Habit,
+    standing: (&Habit, &Mask),
     side: f64,
     strength: f64,
     random: &mut Random,
     cancel: &Cancel,
 ) -> Result<Tree, Cancelled> {
-    let crown = Spire::of(tree, habit, STRIP * side, cancel)?;
+    let crown = Spire::of(tree, standing, STRIP * side, cancel)?;
     let strips = [-1.0, 1.0].map(|of| crown.strips(of, side, strength, random));
     let rags = Rags::new(side);
     let width = tree.image.width() as usize;
@@ -81,7 +82,7 @@ pub(super) fn retiered(
                 if *label == Label::Trunk {
                     continue;
                 }
-                let out = x as f64 - habit.axis(y as f64);
+                let out = x as f64 - standing.0.axis(y as f64);
                 let strips = &strips[usize::from(out >= 0.0)];
                 let shown = crown.shown(strips, [x, y], side, &rags);
                 if let Some((other, of)) = shown {
@@ -90,6 +91,7 @@ pub(super) fn retiered(
             }
             Ok(())
         })?;
+    wood::keep(standing.1, tree, &mut made);
     clear_new_loose(&mut made, tree, LOOSE * side * side);
     Ok(made)
 }
@@ -232,7 +234,8 @@ impl Spire<'_> {
     fn seen(&self, [u, v]: [i64; 2]) -> Option<(Straight, Label)> {
         let label = self.tree.labels.get(u, v).unwrap_or_default();
         let pixel = self.tree.image.get(u, v).unwrap_or_default();
-        (label != Label::Trunk).then_some((pixel, label))
+        let is_stem = label == Label::Trunk || self.wood.get(u, v) == Some(true);
+        (!is_stem).then_some((pixel, label))
     }
 
     /// What pixel (x, y) shows in a crown of these strips; `None` where it stays.
@@ -301,7 +304,9 @@ mod tests {
         let habit = Habit::of(tree).unwrap();
         let side = cell_side(crown(tree));
         let mut random = Seed(seed).random();
-        retiered(tree, &habit, side, strength, &mut random, &Cancel::new()).unwrap()
+        let wood = wood::wood(tree, side, &Cancel::new()).unwrap();
+        let stance = (&habit, &wood);
+        retiered(tree, stance, side, strength, &mut random, &Cancel::new()).unwrap()
     }
 
     #[test]

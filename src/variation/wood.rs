@@ -81,6 +81,11 @@ pub(super) fn keep(wood: &Mask, tree: &Tree, made: &mut Tree) {
     }
 }
 
+/// Whether the colours of its trunk tell wood from leaves in the crown of `tree`.
+pub(super) fn tells_bark(tree: &Tree) -> bool {
+    bark_of(tree).is_some()
+}
+
 /// What the colours of the trunk tell; `None` where they tell nothing.
 fn bark_of(tree: &Tree) -> Option<BarkLikelihood> {
     let of = |wanted: Label| {

@@ -12,6 +12,7 @@ use crate::base::{Cancel, Cancelled, Seed};
 use crate::raster::{Image, Straight, component_sizes, labelled_components};
 use crate::segment::Label;
 use crate::variation::Tree;
+use crate::variation::wood::tells_bark;
 
 /// Smallest remaining speck, as a share of the crown's pixels: smaller ones fall with the leaves.
 const SPECK: f64 = 0.0004;
@@ -20,6 +21,10 @@ const SPECK: f64 = 0.0004;
 /// clumps when all fall.
 const LOOSE: f64 = 0.004;
 const LOOSE_CLUMP: f64 = 0.02;
+
+/// Share of fallen leaves from which the twigs between them go, too, where bark can be told from leaves: what is seen
+/// of them is bits, which the limbs behind do not hold.
+const TWIGS_FALL: f64 = 0.85;
 
 /// Alpha from which on a pixel is a part of something, and from which on it is seen at all: many a
 /// picture's ground has a few units.
@@ -65,9 +70,16 @@ fn drop_leaves(
     cancel: &Cancel,
 ) -> Result<(), Cancelled> {
     let fallen = colors::turned_shares(tree, leaves, amount, seed, cancel)?;
+    let twigs = match tells_bark(tree) {
+        true => ((amount - TWIGS_FALL) / (1.0 - TWIGS_FALL)).clamp(0.0, 1.0),
+        false => 0.0,
+    };
+    let crown = tree.labels.map(|label| *label == Label::Crown);
     let pixels = tree.image.pixels_mut().iter_mut().zip(&fallen);
-    for ((pixel, fallen), share) in pixels.zip(leaves.share.pixels()) {
+    let shares = leaves.share.pixels().iter().zip(crown.pixels());
+    for ((pixel, fallen), (share, is_crown)) in pixels.zip(shares) {
         let leaf = ((f64::from(*share) - 0.12) / 0.3).clamp(0.0, 1.0);
+        let leaf = if *is_crown { leaf.max(twigs) } else { leaf };
         pixel.0[3] = (f64::from(pixel.alpha()) * (1.0 - fallen * leaf) + 0.5) as u8;
     }
     let seen = tree.image.map(|pixel| pixel.alpha() >= SEEN);
@@ -157,5 +169,46 @@ mod tests {
         assert_eq!(alpha[..8], [255, 255, 255, 40, 5, 5, 5, 5]);
         assert_eq!((alpha[14], alpha[29], alpha[30]), (0, 0, 0));
         assert_eq!(tree.labels.at(6, 1), Label::Background);
+    }
+
+    #[test]
+    fn fruit_and_bits_of_twigs_fall_with_the_last_leaves() {
+        let [fruit, twig] = [[200, 30, 40, 255], [90, 60, 45, 255]].map(Straight);
+        let mut tree = Tree {
+            image: Image::filled(96, 128, Straight([0; 4])),
+            labels: Image::filled(96, 128, Label::Background),
+        };
+        for y in 4..128u32 {
+            for x in 8..88u32 {
+                let is_stem = (44..52).contains(&x);
+                let (pixel, label) = match y {
+                    84.. if is_stem => (twig, Label::Trunk),
+                    84.. => continue,
+                    _ if x % 20 < 8 && y % 20 < 8 => (fruit, Label::Crown),
+                    _ if x % 20 >= 14 && y % 20 >= 14 => (twig, Label::Crown),
+                    _ => (
+                        Straight([60, 130 - (x + y) as u8 % 20, 40, 255]),
+                        Label::Crown,
+                    ),
+                };
+                tree.image.set(x, y, pixel);
+                tree.labels.set(x, y, label);
+            }
+        }
+        let cancel = Cancel::new();
+        let leaves = Leaves::of(&tree, &cancel).unwrap().unwrap();
+        let left = |amount: f64| {
+            let mut bare = tree.clone();
+            undress(&mut bare, &leaves, amount, Seed(1), &cancel).unwrap();
+            let seen = bare
+                .image
+                .pixels()
+                .iter()
+                .filter(|pixel| pixel.alpha() >= 128);
+            seen.filter(|pixel| pixel.0[0] > 150 && pixel.0[1] < 80)
+                .count()
+        };
+        assert!(left(0.5) > 0);
+        assert_eq!(left(1.0), 0);
     }
 }

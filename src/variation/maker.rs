@@ -1,5 +1,6 @@
 //! From a decision to a finished tree: what `vary`, `morph` and the studio all call.
 
+use super::rim::{clear_torn, largest_hanging};
 use super::{
     Chosen, Distortion, Exemplar, Histogram, Layout, Library, LibraryError, Palette, Part, Shape,
     Source, WarpPrecision, synthesized,
@@ -26,16 +27,19 @@ pub struct TreeMaker<'a> {
     library: &'a Library<'a>,
     /// The palette of each exemplar, once it was needed.
     palettes: Vec<OnceLock<Palette>>,
+    /// The same of how large a piece of it hangs in the air, pixels.
+    hanging: Vec<OnceLock<usize>>,
     like: Option<Palette>,
 }
 
 impl<'a> TreeMaker<'a> {
     /// A maker of trees; with `like` all of them get that palette.
     pub fn new(library: &'a Library<'a>, like: Option<Palette>) -> Self {
-        let palettes = library.entries().iter().map(|_| OnceLock::new()).collect();
+        let count = library.entries().len();
         Self {
             library,
-            palettes,
+            palettes: (0..count).map(|_| OnceLock::new()).collect(),
+            hanging: (0..count).map(|_| OnceLock::new()).collect(),
             like,
         }
     }
@@ -69,15 +73,26 @@ impl<'a> TreeMaker<'a> {
             let part = chosen.parts[index].exemplar;
             self.palettes[part].get_or_init(|| Palette::of_exemplar(&exemplars[index]))
         };
-        let (tree, _) = finished(
+        let (mut tree, _) = finished(
             &chosen.layout,
             &sources,
             self.like.as_ref(),
             palette,
             cancel,
         )?;
+        let hung = |(part, exemplar): (&Part, &Arc<Exemplar>)| {
+            *self.hanging[part.exemplar].get_or_init(|| hanging(exemplar))
+        };
+        let givers = chosen.parts.iter().zip(&exemplars);
+        let givers = givers.filter(|(part, _)| part.color_weight > 0.0);
+        clear_torn(&mut tree, givers.map(hung).max().unwrap_or(0));
         Ok(tree)
     }
+}
+
+/// How large a piece of `exemplar` hangs in the air, pixels.
+fn hanging(exemplar: &Exemplar) -> usize {
+    largest_hanging(&exemplar.image, |pixel| pixel.0[3])
 }
 
 /// The tree of `layout` from its `sources`, and its picture before colours were matched where they
@@ -131,6 +146,7 @@ pub struct Drafts {
 struct SmallExemplar {
     exemplar: Exemplar,
     palette: Palette,
+    hanging: usize,
 }
 
 impl Drafts {
@@ -170,7 +186,11 @@ impl Drafts {
             })
             .collect();
         let palette = |index: usize| &small[index].palette;
-        let (tree, before) = finished(&layout, &sources, like, palette, cancel)?;
+        let (mut tree, before) = finished(&layout, &sources, like, palette, cancel)?;
+        let givers = small.iter().zip(parts);
+        let givers = givers.filter(|(_, part)| part.color_weight > 0.0);
+        let hung = givers.map(|(small, _)| small.hanging).max();
+        clear_torn(&mut tree, hung.unwrap_or(0));
         let seen = tree.image.map(|pixel| pixel.alpha() >= 128);
         Ok(Some(Draft {
             histograms: before.map(|before| (Histogram::of(&before), Histogram::of(&tree.image))),
@@ -194,6 +214,7 @@ impl Drafts {
         let exemplar = library.exemplar(index, cancel)?.resized(Self::SIZE);
         let small = Arc::new(SmallExemplar {
             palette: Palette::of_exemplar(&exemplar),
+            hanging: hanging(&exemplar),
             exemplar,
         });
         known().insert(index, Arc::clone(&small));

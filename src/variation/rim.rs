@@ -1,4 +1,4 @@
-//! What stands along the outline of a tree whose foliage was grown anew.
+//! What stands along the outline of a tree whose foliage was grown anew, and bits that hang in the air.
 //!
 //! The cells there show an outline of their own, which runs as the tree's does. In what stands straight alpha is
 //! that of the swayed tree, so that no cell's border shows against the sky.
@@ -22,6 +22,9 @@ const KEPT: f32 = 0.97;
 
 /// Side of the largest square of leaves, in cell sizes, that hang in the air.
 const LOOSE: f64 = 0.6;
+
+/// Largest piece that is torn off, as a share of the tree.
+const TORN: f64 = 0.002;
 
 /// Alpha from which pixels hang together, and how far fainter ones lie around them, pixels.
 const SEEN: u8 = 48;
@@ -81,12 +84,7 @@ fn outermost(habit: &Habit, y: usize, side: f64) -> f32 {
 /// Clears what hangs in the air, leaves of a cell whose twig lies in another: beyond the outline, and within it what is
 /// larger than anything that hung so in `before`.
 pub(super) fn clear_loose_leaves(tree: &mut Tree, before: &Tree, inside: &Image<f32>, side: f64) {
-    let hung = {
-        let parts = labelled_components(&before.image.map(|pixel| pixel.alpha() >= SEEN));
-        let mut sizes = component_sizes(&parts)[1..].to_vec();
-        sizes.sort_unstable();
-        sizes.iter().rev().nth(1).copied().unwrap_or(0)
-    };
+    let hung = largest_hanging(&before.image, |pixel| pixel.alpha());
     let parts = labelled_components(&tree.image.map(|pixel| pixel.alpha() >= SEEN));
     let sizes = component_sizes(&parts);
     let mut deepest = vec![0.0f32; sizes.len()];
@@ -98,10 +96,41 @@ pub(super) fn clear_loose_leaves(tree: &mut Tree, before: &Tree, inside: &Image<
         let size = sizes[part as usize];
         (size as f64) < most && (deepest[part as usize] < 0.5 || size > hung)
     };
+    clear_all(tree, &parts, is_loose);
+}
+
+/// Clears what a warp tears off: bits of stem beside it, and leaves in pieces of more pixels than hung in the air
+/// before.
+pub(super) fn clear_torn(tree: &mut Tree, hung: usize) {
+    let parts = labelled_components(&tree.image.map(|pixel| pixel.alpha() >= SEEN));
+    let sizes = component_sizes(&parts);
+    let mut of_crown = vec![0usize; sizes.len()];
+    for (&part, label) in parts.pixels().iter().zip(tree.labels.pixels()) {
+        of_crown[part as usize] += usize::from(*label == Label::Crown);
+    }
+    let most = TORN * sizes.iter().skip(1).sum::<usize>() as f64;
+    let is_torn = |part: u32| {
+        let (size, of_crown) = (sizes[part as usize], of_crown[part as usize]);
+        (size as f64) < most && (2 * of_crown < size || size > hung)
+    };
+    if (1..sizes.len() as u32).any(is_torn) {
+        clear_all(tree, &parts, is_torn);
+    }
+}
+
+/// Pixels of the largest piece of `image` that hangs in the air.
+pub(super) fn largest_hanging<P: Copy>(image: &Image<P>, alpha: impl Fn(&P) -> u8) -> usize {
+    let parts = labelled_components(&image.map(|pixel| alpha(pixel) >= SEEN));
+    let mut sizes = component_sizes(&parts)[1..].to_vec();
+    sizes.sort_unstable();
+    sizes.iter().rev().nth(1).copied().unwrap_or(0)
+}
+
+/// Clears the parts, whatever their labels, of which `is_loose` says so, and what is faint and not about others.
+fn clear_all(tree: &mut Tree, parts: &Image<u32>, is_loose: impl Fn(u32) -> bool) {
     let stays = parts.map(|&part| part > 0 && !is_loose(part));
     let soft = dilated(&stays, SOFT_EDGE);
-    // Whatever their labels: what hangs in the air is no stem.
-    clear(tree, &parts, |place, part, _| match part {
+    clear(tree, parts, |place, part, _| match part {
         0 => !soft.pixels()[place],
         _ => is_loose(part),
     });
@@ -188,5 +217,27 @@ mod tests {
         clear_loose_leaves(&mut made, &before, &deep.map(|_| 0.0), 20.0);
         assert_eq!(made.image.at(81, 21).alpha(), 0);
         assert_eq!(made.image.at(20, 20), LEAF);
+    }
+
+    #[test]
+    fn what_a_warp_tears_off_goes() {
+        let mut tree = Tree {
+            image: Image::filled(200, 200, Straight([0; 4])),
+            labels: Image::filled(200, 200, Label::Background),
+        };
+        fill(&mut tree, square(20, 10, 120), LEAF, Label::Crown);
+        fill(&mut tree, square(150, 20, 4), LEAF, Label::Crown);
+        let whole = tree.clone();
+        fill(&mut tree, square(170, 150, 2), LEAF, Label::Trunk);
+        fill(&mut tree, square(160, 60, 5), LEAF, Label::Crown);
+        assert_eq!(largest_hanging(&whole.image, |pixel| pixel.alpha()), 16);
+        clear_torn(&mut tree, 16);
+        assert_eq!(tree, whole);
+        // A second tree is none of that.
+        fill(&mut tree, square(150, 100, 40), LEAF, Label::Crown);
+        let both = tree.clone();
+        clear_torn(&mut tree, 0);
+        assert_eq!(tree.image.at(160, 120), both.image.at(160, 120));
+        assert_eq!(tree.image.at(151, 21).alpha(), 0);
     }
 }

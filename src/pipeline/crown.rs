@@ -58,7 +58,7 @@ pub struct CrownSettings {
     /// How much of the crown's outline leaves fill, 0 to 1: in sparse ones one sees the stem.
     #[serde(skip_serializing_if = "is_closed")]
     pub cover: f64,
-    /// What the picture shows of the stem, [`super::stem_in`]; otherwise one that suits the tree's height.
+    /// What the picture shows of the stem (`pipeline::stem`); otherwise one that suits the tree's height.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stem: Option<StemLook>,
 }

@@ -10,13 +10,13 @@
 //! Limits: a crown too dense to show its limbs gets limbs of our own growing, like trees of its
 //! outline have, not those it really has.
 
+mod bark;
 mod colors;
 mod evergreen;
 mod growth;
 mod leaves;
 mod snow;
 mod winter;
-mod wood;
 
 use super::{Histogram, Tree};
 use crate::base::{Cancel, Cancelled, Seed};

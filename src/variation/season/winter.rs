@@ -2,12 +2,12 @@
 //!
 //! Leaves vanish in the order in which they turn; what is wood by its colour stays, but for specks
 //! and what hangs on nothing. Behind it stand limbs grown into the crown's own outline
-//! ([`super::growth`]), in the colours of the trunk ([`super::wood`]).
+//! ([`super::growth`]), in the colours of the trunk ([`super::bark`]).
 
+use super::bark::{Bark, paint};
 use super::colors;
 use super::growth::{Stem, grown};
 use super::leaves::{Leaves, is_green_leaf};
-use super::wood::{Bark, paint};
 use crate::base::{Cancel, Cancelled, Seed};
 use crate::raster::{Image, Straight, component_sizes, labelled_components};
 use crate::segment::Label;

@@ -20,12 +20,6 @@ use super::{Label, Labels, Provenance, SegmentError, Segmented, Segmenter, Sourc
 use crate::base::Cancel;
 use crate::raster::{Image, Straight};
 
-/// Overlap of the colours of bark and crown up to which they are told apart by colour.
-///
-/// Leafless trees have 0.89–0.98, trees in leaf mostly 0.25–0.65. Below 0.65 forked trees of dull
-/// green lose their limbs; above 0.75 foliage beside short trunks is taken for bark.
-const DISTINCT: f64 = 0.7;
-
 /// Finds trunk and crown by shape and colour alone.
 ///
 /// ```
@@ -94,7 +88,7 @@ fn labelled(image: &Image<Straight>, cancel: &Cancel) -> Result<Labels, SegmentE
 fn trunk(sketch: &Sketch) -> Vec<Span> {
     let mut spans = Vec::new();
     for foot in feet(sketch) {
-        let guide = if foot.bark.overlap() < DISTINCT {
+        let guide = if foot.bark.is_distinct() {
             Guide::Bark(&foot.bark)
         } else {
             Guide::Bare

@@ -25,6 +25,12 @@ const BLURS: usize = 2;
 /// It bounds the ratio: a single odd pixel must not outvote its neighbours.
 const UNSEEN: f64 = 0.3;
 
+/// Overlap of the colours of bark and crown up to which they are told apart by colour.
+///
+/// Leafless trees have 0.89–0.98, trees in leaf mostly 0.25–0.65. Below 0.65 forked trees of dull
+/// green lose their limbs; above 0.75 foliage beside short trunks is taken for bark.
+const DISTINCT: f64 = 0.7;
+
 /// How many times likelier a colour is on bark than in the crown, as a logarithm; learned from one picture.
 pub struct BarkLikelihood {
     log_ratio: Vec<f32>,
@@ -54,9 +60,14 @@ impl BarkLikelihood {
         self.log_ratio[cell(pixel)]
     }
 
+    /// Whether colours tell bark from the crown.
+    pub fn is_distinct(&self) -> bool {
+        self.overlap < DISTINCT
+    }
+
     /// The Bhattacharyya coefficient of the two histograms: 0 when no colour is shared, 1 when
     /// trunk and crown cannot be told apart by colour.
-    pub fn overlap(&self) -> f64 {
+    pub(super) fn overlap(&self) -> f64 {
         self.overlap
     }
 }

@@ -73,19 +73,12 @@ impl<'a> TreeMaker<'a> {
             let part = chosen.parts[index].exemplar;
             self.palettes[part].get_or_init(|| Palette::of_exemplar(&exemplars[index]))
         };
-        let (mut tree, _) = finished(
-            &chosen.layout,
-            &sources,
-            self.like.as_ref(),
-            palette,
-            cancel,
-        )?;
-        let hung = |(part, exemplar): (&Part, &Arc<Exemplar>)| {
-            *self.hanging[part.exemplar].get_or_init(|| hanging(exemplar))
+        let hanging = |index: usize| {
+            let part = chosen.parts[index].exemplar;
+            *self.hanging[part].get_or_init(|| hanging(&exemplars[index]))
         };
-        let givers = chosen.parts.iter().zip(&exemplars);
-        let givers = givers.filter(|(part, _)| part.color_weight > 0.0);
-        clear_torn(&mut tree, givers.map(hung).max().unwrap_or(0));
+        let like = self.like.as_ref();
+        let (tree, _) = finished(&chosen.layout, &sources, like, (palette, hanging), cancel)?;
         Ok(tree)
     }
 }
@@ -96,12 +89,12 @@ fn hanging(exemplar: &Exemplar) -> usize {
 }
 
 /// The tree of `layout` from its `sources`, and its picture before colours were matched where they
-/// were. `palette` gives that of a source.
+/// were. `palette` and `hanging` give those of a source.
 fn finished<'p>(
     layout: &Layout,
     sources: &[Source<'_>],
     like: Option<&Palette>,
-    palette: impl Fn(usize) -> &'p Palette,
+    (palette, hanging): (impl Fn(usize) -> &'p Palette, impl Fn(usize) -> usize),
     cancel: &Cancel,
 ) -> Result<(Tree, Option<Image<Straight>>), Cancelled> {
     let variation = synthesized(layout, sources, WarpPrecision::Interpolated, cancel)?;
@@ -118,7 +111,10 @@ fn finished<'p>(
         Palette::apply(&mut image, &variation.labels, &references);
     }
     let labels = variation.labels;
-    Ok((Tree { image, labels }, before))
+    let mut tree = Tree { image, labels };
+    let givers = (0..sources.len()).filter(|&index| gives(&&sources[index]));
+    clear_torn(&mut tree, givers.map(hanging).max().unwrap_or(0));
+    Ok((tree, before))
 }
 
 /// A small tree that is made while a hand moves.
@@ -186,11 +182,8 @@ impl Drafts {
             })
             .collect();
         let palette = |index: usize| &small[index].palette;
-        let (mut tree, before) = finished(&layout, &sources, like, palette, cancel)?;
-        let givers = small.iter().zip(parts);
-        let givers = givers.filter(|(_, part)| part.color_weight > 0.0);
-        let hung = givers.map(|(small, _)| small.hanging).max();
-        clear_torn(&mut tree, hung.unwrap_or(0));
+        let hanging = |index: usize| small[index].hanging;
+        let (tree, before) = finished(&layout, &sources, like, (palette, hanging), cancel)?;
         let seen = tree.image.map(|pixel| pixel.alpha() >= 128);
         Ok(Some(Draft {
             histograms: before.map(|before| (Histogram::of(&before), Histogram::of(&tree.image))),

@@ -62,13 +62,13 @@ const LOOSE: f64 = 4.0;
 /// [`Cancelled`].
 pub(super) fn retiered(
     tree: &Tree,
-    standing: (&Habit, &Mask),
+    (habit, stem): (&Habit, &Mask),
     side: f64,
     strength: f64,
     random: &mut Random,
     cancel: &Cancel,
 ) -> Result<Tree, Cancelled> {
-    let crown = Spire::of(tree, standing, STRIP * side, cancel)?;
+    let crown = Spire::of(tree, (habit, stem), STRIP * side, cancel)?;
     let strips = [-1.0, 1.0].map(|of| crown.strips(of, side, strength, random));
     let rags = Rags::new(side);
     let width = tree.image.width() as usize;
@@ -82,7 +82,7 @@ pub(super) fn retiered(
                 if *label == Label::Trunk {
                     continue;
                 }
-                let out = x as f64 - standing.0.axis(y as f64);
+                let out = x as f64 - habit.axis(y as f64);
                 let strips = &strips[usize::from(out >= 0.0)];
                 let shown = crown.shown(strips, [x, y], side, &rags);
                 if let Some((other, of)) = shown {
@@ -91,7 +91,7 @@ pub(super) fn retiered(
             }
             Ok(())
         })?;
-    wood::keep(standing.1, tree, &mut made);
+    wood::keep(stem, tree, &mut made);
     clear_new_loose(&mut made, tree, LOOSE * side * side);
     Ok(made)
 }

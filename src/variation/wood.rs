@@ -13,10 +13,6 @@ use crate::base::{Cancel, Cancelled};
 use crate::raster::{Image, Mask, dilated, labelled_components, smoothed};
 use crate::segment::{BarkLikelihood, Label};
 
-/// Overlap of the colours of bark and crown from which wood is not told from leaves: that of trees in leaf is
-/// 0.27 to 0.65.
-const ALIKE: f64 = 0.7;
-
 /// Fewest pixels of a trunk that tell the colours of its bark.
 const LEAST_TRUNK: usize = 30;
 
@@ -31,7 +27,7 @@ const SMOOTHED: f64 = 0.035;
 const SURE: f32 = 0.6;
 const LIKELY: f32 = 0.15;
 
-/// Shortest side of the box about a piece's sure part, in cell sizes: leaves are shorter.
+/// Least length of a piece's sure part, across or down, in cell sizes: leaves are shorter.
 const SHORTEST: f64 = 0.35;
 
 /// How far the soft edges of wood reach, in cell sizes.
@@ -42,9 +38,8 @@ const EDGE: f64 = 0.02;
 /// # Errors
 /// [`Cancelled`].
 pub(super) fn wood(tree: &Tree, side: f64, cancel: &Cancel) -> Result<Mask, Cancelled> {
-    let none = || tree.labels.map(|_| false);
     let Some(bark) = bark_of(tree) else {
-        return Ok(none());
+        return Ok(tree.labels.map(|_| false));
     };
     let pixels = tree.image.pixels().iter().zip(tree.labels.pixels());
     let voices = pixels.map(|(&pixel, label)| match label {
@@ -56,10 +51,9 @@ pub(super) fn wood(tree: &Tree, side: f64, cancel: &Cancel) -> Result<Mask, Canc
     let (width, height) = (tree.image.width(), tree.image.height());
     let voices = Image::from_pixels(width, height, voices.collect());
     let told = smoothed(&voices, SMOOTHED * side, cancel)?;
-    let mut likely = told.map(|&voice| voice > LIKELY);
-    for (is_likely, label) in likely.pixels_mut().iter_mut().zip(tree.labels.pixels()) {
-        *is_likely &= *label == Label::Crown;
-    }
+    let likely = told.pixels().iter().zip(tree.labels.pixels());
+    let likely = likely.map(|(&voice, label)| voice > LIKELY && *label == Label::Crown);
+    let likely = Image::from_pixels(width, height, likely.collect());
     let kept = long_enough(&likely, &told, SHORTEST * side);
     Ok(dilated(&kept, (EDGE * side).ceil().min(60.0) as u8))
 }
@@ -98,7 +92,7 @@ fn bark_of(tree: &Tree) -> Option<BarkLikelihood> {
         return None;
     }
     let bark = BarkLikelihood::learned(of(Label::Trunk), of(Label::Crown));
-    (bark.overlap() < ALIKE).then_some(bark)
+    bark.is_distinct().then_some(bark)
 }
 
 /// The pieces of `likely` whose sure part is at least so long.

@@ -70,16 +70,18 @@ fn drop_leaves(
     cancel: &Cancel,
 ) -> Result<(), Cancelled> {
     let fallen = colors::turned_shares(tree, leaves, amount, seed, cancel)?;
-    let twigs = match tells_bark(tree) {
-        true => ((amount - TWIGS_FALL) / (1.0 - TWIGS_FALL)).clamp(0.0, 1.0),
+    let twigs = match amount > TWIGS_FALL && tells_bark(tree) {
+        true => (amount - TWIGS_FALL) / (1.0 - TWIGS_FALL),
         false => 0.0,
     };
-    let crown = tree.labels.map(|label| *label == Label::Crown);
     let pixels = tree.image.pixels_mut().iter_mut().zip(&fallen);
-    let shares = leaves.share.pixels().iter().zip(crown.pixels());
-    for ((pixel, fallen), (share, is_crown)) in pixels.zip(shares) {
+    let shares = leaves.share.pixels().iter().zip(tree.labels.pixels());
+    for ((pixel, fallen), (share, label)) in pixels.zip(shares) {
         let leaf = ((f64::from(*share) - 0.12) / 0.3).clamp(0.0, 1.0);
-        let leaf = if *is_crown { leaf.max(twigs) } else { leaf };
+        let leaf = match label {
+            Label::Crown => leaf.max(twigs),
+            _ => leaf,
+        };
         pixel.0[3] = (f64::from(pixel.alpha()) * (1.0 - fallen * leaf) + 0.5) as u8;
     }
     let seen = tree.image.map(|pixel| pixel.alpha() >= SEEN);
